@@ -22,7 +22,7 @@ impl SkinSource for Pad {
     fn scans(
         &mut self,
         now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
+        take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), Infallible> {
         while self.0 <= now.as_micros() {
             let mut counts = [[32_768, 32_768, 40_000]; 16];

@@ -4,8 +4,9 @@
 //! in integer nanoseconds; a pacer in `palpate-hil` may delay what happens here and never changes it.
 //! Every device has a bus face (what a driver sees), a physical face (what a test does to it and reads
 //! from it) and room for a fault layer in front.
+//!
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
-#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
 pub mod display;
 pub mod network;

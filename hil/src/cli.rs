@@ -71,16 +71,21 @@ impl Color {
     }
 }
 
-/// Slowest and fastest rows of a recording, Hz: slower ones would outlast any run, faster ones have no
-/// microsecond of their own.
-const RATES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
-
-/// Rows per second: zero and NaN are refused here, whatever the file says about its times.
-pub(crate) fn rate(text: &str) -> Result<f64, String> {
+/// A number within bounds, which `unit` follows in words.
+///
+/// # Errors
+/// The bounds, for anything else; NaN is outside of all.
+pub fn within(text: &str, (low, high): (f64, f64), unit: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(hz) if RATES.contains(&hz) => Ok(hz),
-        _ => Err(format!("expected {} to {} Hz", RATES.start(), RATES.end())),
+        Ok(number) if (low..=high).contains(&number) => Ok(number),
+        _ => Err(format!("expected {low} to {high}{unit}")),
     }
+}
+
+/// Rows per second, whatever the file says about its times: slower ones would outlast any run, faster ones have no
+/// microsecond of their own.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    within(text, (0.1, 1e6), " Hz")
 }
 
 /// A whole number within bounds.
@@ -92,14 +97,6 @@ pub(crate) fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(
         .filter(|n| (LOW..=HIGH).contains(n))
         .and_then(|n| T::try_from(n).ok())
         .ok_or_else(|| format!("expected a whole number from {LOW} to {HIGH}"))
-}
-
-/// A weight exponent, as the compressor takes it.
-fn exponent(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(p) if (0.0..=16.0).contains(&p) => Ok(p),
-        _ => Err("expected 0 to 16".into()),
-    }
 }
 
 /// A rule by its name, or raw counts.
@@ -117,10 +114,7 @@ fn threshold(text: &str) -> Result<Threshold, String> {
 
 /// A positive number that files take too.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(v) if (0.01..=86_400.0).contains(&v) => Ok(v),
-        _ => Err("expected 0.01 to 86400".into()),
-    }
+    within(text, (0.01, 86_400.0), "")
 }
 
 /// Where a page is served unless something else is said.
@@ -128,7 +122,7 @@ const SERVE_AT: &str = "127.0.0.1:8137";
 
 /// Where a page is served.
 fn serve_at(text: &str) -> Result<SocketAddr, String> {
-    crate::serve::address(text)
+    palpate_live::serve::address(text)
 }
 
 /// How the contact threshold is found.
@@ -419,7 +413,7 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
     pub scope: Scope,
     /// Exponent p of the weights ||s||^p.
-    #[arg(long, value_name = "P", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", default_value = "1", value_parser = |t: &str| within(t, (0.0, 16.0), ""), allow_hyphen_values = true)]
     pub weight_exponent: f64,
     /// Norm l of the weights: sum of absolute values, Euclidean, or largest.
     #[arg(long, value_name = "l1|l2|linf", default_value = "l2", value_parser = palpate_files::norm)]

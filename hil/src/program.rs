@@ -7,7 +7,8 @@ use std::io::{self, Write};
 use clap::Parser;
 
 use crate::cli::{Buses, Cli, Color, Command, RunArgs};
-use crate::{again, command, progress};
+use crate::command;
+use palpate_live::{again, progress};
 
 /// Runs a command line, the program's name first, and returns the exit status.
 ///

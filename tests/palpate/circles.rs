@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 14] = [
+const CRATES: [&str; 15] = [
     "core",
     "core/unit",
     "emulators",
@@ -18,6 +18,7 @@ const CRATES: [&str; 14] = [
     "hil/buses",
     "hil/files",
     "hil/link",
+    "hil/live",
     "hil/python",
     "hil/records",
     "hil/run",

@@ -6,8 +6,8 @@ use palpate_core::contact::{Compressor, LevelTable, Settings};
 use palpate_core::random::RandomStream;
 use palpate_core::skin::{Axes, Layout, RelativeFrame};
 use palpate_files::{LayoutFile, load_layout};
-use palpate_hil::parallel;
 use palpate_run::plan;
+use rayon::prelude::*;
 
 const CASES: usize = 100_000;
 
@@ -51,6 +51,20 @@ impl Cloud {
             f64::from(self.y[i]),
             f64::from(self.w[i]),
         )
+    }
+
+    /// The weighted squared distance of all points to their nearest centroid.
+    fn inertia(&self, kmeans: &KMeans) -> f64 {
+        let square = |p: (f64, f64, f64), c: (f32, f32)| {
+            let (dx, dy) = (p.0 - f64::from(c.0), p.1 - f64::from(c.1));
+            dx * dx + dy * dy
+        };
+        let nearest = |p| {
+            let squares = kmeans.centroids().map(|c| square(p, c));
+            squares.fold(f64::INFINITY, f64::min)
+        };
+        let points = (0..self.x.len()).map(|i| self.at(i));
+        points.map(|p| p.2 * nearest(p)).sum()
     }
 
     /// The weighted squared distance of chosen points to their weighted mean.
@@ -143,14 +157,14 @@ fn two_clusters_against_every_split() {
         let (want, split) = cloud.best_pair();
         kmeans.seed(cloud.points(), 2, &mut r);
         assert!(kmeans.solve(cloud.points(), stop).converged);
-        let got = kmeans.inertia(cloud.points());
+        let got = cloud.inertia(&kmeans);
         assert!(
             got >= want - slack,
             "case {case}: {got} below the optimum {want}"
         );
         kmeans.set_centroids([0, 1].map(|side| cloud.mean(split, side)).into_iter());
         kmeans.solve(cloud.points(), stop);
-        let kept = kmeans.inertia(cloud.points());
+        let kept = cloud.inertia(&kmeans);
         assert!(
             (kept - want).abs() <= slack,
             "case {case}: {kept}, the optimum is {want}"
@@ -267,11 +281,10 @@ fn many_threads_find_what_one_finds() {
                 });
             });
             assert_eq!(got.unwrap(), want, "{name}");
-            assert_eq!(
-                parallel::compress(&mut pool, &frame).unwrap(),
-                want,
-                "{name}"
-            );
+            let got = pool.compress_with(&frame, |scopes, locate| {
+                scopes.par_iter_mut().for_each(locate);
+            });
+            assert_eq!(got.unwrap(), want, "{name}");
         }
         assert!(one.work().solves > 0);
     }

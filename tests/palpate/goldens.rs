@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use insta::Settings;
 use palpate_files::Setup;
 use palpate_records::diff::{Tolerance, compare};
-use palpate_records::story::{COLUMNS, LINES, Story, SurfacePoint};
+use palpate_records::story::{COLUMNS, GoldenKind, LINES, Story};
 use palpate_records::trace::{Driven, Event};
 use palpate_run::{Input, Outcome, run};
 
@@ -122,6 +122,7 @@ const TRAVERSE_MM: f64 = 14.1;
 #[test]
 fn a_surface_over_force_and_speed() {
     let base = Setup::load("sphere-along", "emulated").unwrap();
+    let decimal = |value: f64| format!("{value:.3}");
     let mut points = Vec::new();
     let mut last = None;
     for force_n in [0.1, 0.2, 0.4, 0.8, 1.6] {
@@ -134,20 +135,20 @@ fn a_surface_over_force_and_speed() {
             let outcome = run(&setup, &Input::Scene, 1).unwrap();
             let figures = palpate_records::figures::figures(&outcome.trace);
             let duty = figures.iter().find(|f| f.name == "largest duty");
-            points.push(SurfacePoint {
-                force_n,
-                speed_mm_s,
-                duty_milli_percent: duty.and_then(|f| f.value).unwrap(),
-                energy_uj: outcome.trace.ledger.energy_uj,
-                felt_mm: outcome.summary.felt_error_mm.rmse,
-                limited: outcome.summary.limiter_events,
-            });
+            let milli_percent = duty.and_then(|f| f.value).unwrap();
+            let felt_mm = outcome.summary.felt_error_mm.rmse;
+            points.push(vec![
+                decimal(force_n),
+                decimal(speed_mm_s),
+                decimal(milli_percent as f64 / 1e3),
+                decimal(outcome.trace.ledger.energy_uj as f64 / 1e3),
+                felt_mm.map_or_else(|| "-".to_owned(), decimal),
+                outcome.summary.limiter_events.to_string(),
+            ]);
             last = Some(outcome.trace);
         }
     }
-    keep(
-        "sphere-along",
-        "surface",
-        &Story::surface(&last.unwrap(), &points),
-    );
+    let mut story = Story::begun(GoldenKind::Surface, &last.unwrap());
+    story.table.rows = points;
+    keep("sphere-along", "surface", &story);
 }

@@ -1,14 +1,16 @@
 //! The link for ends that are not written in Rust: its tables against the codec, the C header, a C program.
 
+mod layout;
+
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 
+use layout::{COMMAND_FIELDS, Field, HEADER_FIELDS, HELLO_FIELDS, PLANNED_FIELDS, STATUS_FIELDS};
 use palpate_core::codec::link::{
-    BUSY, COMMAND_FIELDS, Command, FROM_UNIT, Field, HEADER, HEADER_FIELDS, HEAT, HELD,
-    HELLO_FIELDS, Header, Hello, INTERNAL, Kind, MAGIC, MOST, MOST_CURRENT, MOST_PLANNED,
-    PLANNED_FIELDS, Planned, Request, STATUS_FIELDS, State, Status, TAG, VERSION, WARMTH,
+    BUSY, Command, FROM_UNIT, HEADER, HEAT, HELD, Header, Hello, INTERNAL, Kind, MAGIC, MOST,
+    MOST_CURRENT, MOST_PLANNED, Planned, Request, State, Status, TAG, VERSION, WARMTH,
 };
 use palpate_core::guard::Cause;
 use palpate_core::peltier::PeltierReason;

@@ -36,6 +36,7 @@ mod render;
 mod rules;
 mod scans;
 mod shared_boards;
+mod shown;
 mod texture;
 mod tidy;
 mod unit;

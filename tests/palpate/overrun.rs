@@ -1,7 +1,7 @@
 //! The real policy before an actuator bus that fails or answers late, and no line that cuts outputs: what is on is
 //! counted as on, and a run whose wires were on for too long ends at once, latched, with the verdict of a passed limit.
 
-use palpate_core::driver::{Actuators, Banks, DriverError, Traffic};
+use palpate_core::driver::{Actuators, Banks, Driver, DriverError, Traffic};
 use palpate_core::guard::{Cause, Guarded};
 use palpate_core::units::{Board, Duration, Instant};
 use palpate_emulators::display::i2c::I2cHandle;
@@ -9,10 +9,10 @@ use palpate_files::Setup;
 use palpate_records::margin::Limited;
 use palpate_records::trace::{Event, event};
 use palpate_records::verdict::{Conclusion, Verdict};
-use palpate_run::display_end::{DisplayEnd, Driver, EmulatedDisplay, OutputEnable};
+use palpate_run::display_end::{DisplayEnd, EmulatedDisplay, OutputEnable};
 use palpate_run::{
     EmulatedSkin, Failure, Policy, Recorder, Session, Truth, Turn, build, dynamic_levels, exceeded,
-    plan,
+    plan, skin,
 };
 
 /// What a bus does from its first update after a time on.
@@ -99,7 +99,7 @@ impl Driver for Boards {
     }
 
     fn boards(&self) -> Vec<Board> {
-        self.banks.boards().collect()
+        self.banks.boards()
     }
 }
 
@@ -127,9 +127,7 @@ struct Bench {
 }
 
 impl DisplayEnd for Bench {
-    type Driver = Boards;
-
-    fn parts(&mut self) -> (&mut Boards, &dyn OutputEnable) {
+    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         (&mut self.boards, &self.line)
     }
 
@@ -167,7 +165,7 @@ fn session(fault: Fault, cuts: bool, policy: Policy) -> Run {
         line: Line(cuts),
         kept: Vec::new(),
     };
-    let skin = EmulatedSkin::scene(&setup, 1).unwrap();
+    let skin = skin::scene(&setup, 1, None).unwrap();
     let recorder = Recorder::new(Truth::Unknown, projector.layout());
     let mut session = Session::new(projector, (skin, bench), policy, recorder, None);
     session.start(Instant::ZERO).unwrap();

@@ -5,7 +5,7 @@ use palpate_core::guard::Cause;
 use palpate_core::units::Instant;
 use palpate_files::{BenchKind, Loaded, Scene, Setup, Source, load_bench};
 use palpate_records::trace::{Event, event};
-use palpate_run::{EmulatedSession, FedSession, Input, Policy, TaxelTable, Turn, press, run};
+use palpate_run::{EmulatedSession, Input, Policy, TaxelTable, Turn, press, run};
 
 /// A rolling sphere with one fault.
 fn setup(fault: &str) -> Setup {
@@ -181,7 +181,7 @@ fn pushed_readings_are_felt() {
     use palpate_core::skin::ModuleScan;
 
     let setup = Setup::load("idle", "emulated").unwrap();
-    let mut session = FedSession::fed(&setup, 1).unwrap();
+    let mut session = EmulatedSession::fed(&setup, 1).unwrap();
     session.start(Instant::ZERO).unwrap();
     let mut counts = [[30_000_u16; 3]; 16];
     for scan in 1..400_u64 {
@@ -220,7 +220,7 @@ fn a_bench_of_hardware_is_refused_by_every_emulated_session() {
         run(&setup, &Input::Scene, 1).err(),
         EmulatedSession::scene(&setup, 1, Policy::REAL).err(),
         EmulatedSession::touched(&setup, 1).err(),
-        FedSession::fed(&setup, 1).err(),
+        EmulatedSession::fed(&setup, 1).err(),
     ];
     for failure in refused {
         let failure = failure.unwrap();

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
-use palpate_files::{Setup, load_bench, load_scene};
+use palpate_files::{Setup, Timing, load_bench, load_scene};
 use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::recording::{Reading, recorded};
+use palpate_live::recording::{Reading, recorded};
 use palpate_records::trace::{Event, event};
 use palpate_run::{Outcome, run};
 
@@ -43,13 +43,25 @@ fn rate(trial: &Path) -> f64 {
         .unwrap()
 }
 
+/// Rows of our own header that come at this rate, Hz.
+pub fn at_rate(hz: f64) -> Reading {
+    let timing = Timing {
+        rate_hz: Some(hz),
+        ..Timing::default()
+    };
+    Reading {
+        timing,
+        ..Reading::default()
+    }
+}
+
 fn replay(trial: &Path, files: &[&str], layout: &str) -> Outcome {
     let mut scene = load_scene("sphere-along").unwrap();
     scene.value.layout = layout.into();
     scene.value.touches.clear();
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
     let paths: Vec<_> = files.iter().map(|f| trial.join(f)).collect();
-    let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(rate(trial))).unwrap();
+    let (input, _) = recorded(&paths, &setup.sensor.value, &at_rate(rate(trial))).unwrap();
     run(&setup, &input, 1).unwrap()
 }
 

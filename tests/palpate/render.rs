@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use palpate_core::contact::Levels;
 use palpate_core::illusion::IllusionModel;
-use palpate_core::render::Style;
+use palpate_core::projector::{Output, Projector};
+use palpate_core::render::{Renderer, Style};
 use palpate_files::{LevelsFrom, Scene, Setup};
 use palpate_records::felt::felt_scores;
 use palpate_records::trace::{Event, event};
+use palpate_run::plan::plan;
 use palpate_run::{Input, Outcome, run};
 
 const PATHS: [&str; 4] = [
@@ -56,6 +59,19 @@ fn on_every_path_both_centroids_are_nearer_than_those_of_the_balanced_law() {
             }
         }
     }
+}
+
+/// Law, pulses, table and full level to the bit, and the bench that the guard counts with.
+#[test]
+fn the_librarys_builder_has_by_default_what_the_program_has() {
+    let setup = Setup::load("sphere-along", "emulated").unwrap();
+    let plan = plan(&setup, 1, Levels::Off).unwrap();
+    let built = Output::builder(plan.display.clone()).build().unwrap();
+    let program = Projector::new(plan).unwrap();
+    assert_eq!(built.timing(), program.timing());
+    assert_eq!(built.guard().plant(), program.guard().plant());
+    let renderer = |of: Option<&Renderer>| format!("{:?}", of.unwrap());
+    assert_eq!(renderer(built.renderer()), renderer(program.renderer()));
 }
 
 /// Levels of the onsets with a contact, thousandths of a decibel, and when they were.

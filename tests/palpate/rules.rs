@@ -12,10 +12,10 @@ use palpate_core::units::{Duration, Instant};
 use palpate_files::{DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene};
 use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::recording::{Reading, recorded};
+use palpate_live::recording::recorded;
 use palpate_run::run;
 
-use crate::recordings::{FINGERS, trials};
+use crate::recordings::{FINGERS, at_rate, trials};
 
 fn pad() -> Layout {
     Layout::single(Module::grid("pad", 4, 4, 4.7).unwrap()).unwrap()
@@ -232,7 +232,7 @@ fn a_recorded_forearm_goes_the_same_way() {
     scene.value.compression.scope = Scope::Skin;
     scene.value.compression.axes = Axes::Z;
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let (input, _) = recorded(&[file], &setup.sensor.value, &Reading::at_rate(50.0)).unwrap();
+    let (input, _) = recorded(&[file], &setup.sensor.value, &at_rate(50.0)).unwrap();
     let summary = run(&setup, &input, 1).unwrap().summary;
     assert!(summary.contacts > 75 && summary.stimuli > 0, "{summary:?}");
     let _ = std::fs::remove_dir_all(folder);

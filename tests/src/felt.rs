@@ -11,8 +11,8 @@ use palpate_core::projector::sensor_area;
 use palpate_core::units::{Milliamps, Point, Prescale, Ticks};
 use palpate_emulators::person::channels::{Kick, Perceiver, Person};
 use palpate_emulators::worn::START_C;
-use palpate_records::felt::{FeltOnset, FeltScore, scores};
-use palpate_records::trace::{FeltAt, PlaceUm};
+use palpate_records::felt::{FeltPath, FeltScore};
+use palpate_records::trace::{Event, FeltAt, PlaceUm, event};
 
 use palpate_files::{Setup, load_bench, load_person};
 use palpate_run::Failure;
@@ -111,7 +111,7 @@ impl Worn {
         &mut self,
         path: &[Point],
         touch: impl Fn(usize, f64) -> f64,
-    ) -> Result<Vec<FeltOnset>, Failure> {
+    ) -> Result<Vec<event::Felt>, Failure> {
         let wires = self.display.wires().iter();
         let places: Vec<_> = wires
             .map(|w| (f64::from(w.place.x), f64::from(w.place.y)))
@@ -124,7 +124,7 @@ impl Worn {
             perceiver.onset();
             self.meet(&mut perceiver, at, |wire| touch(wire, t_us as f64 * 1e-6));
             let met = perceiver.felt(START_C);
-            FeltOnset {
+            event::Felt {
                 t_us,
                 target: PlaceUm::from(at),
                 inside: self.display.contains(at, HULL_MARGIN),
@@ -134,6 +134,7 @@ impl Worn {
                     level_mdb: (met.levels.db() * 1e3).round() as i32,
                     tap: met.tap(),
                 }),
+                ..event::Felt::default()
             }
         };
         Ok((0..).zip(path).map(&mut onset).collect())
@@ -161,8 +162,12 @@ impl Worn {
             let db = 10.0 * energy.max(1e-6).log10();
             (least, most) = (least.min(db), most.max(db));
         }
+        let mut felt = FeltPath::on(&wires, SOA_US);
+        onsets
+            .iter()
+            .for_each(|onset| felt.add(&Event::Felt(*onset)));
         Ok(PathScore {
-            felt: scores(&onsets, &wires, SOA_US),
+            felt: felt.scores(),
             energy_db: (least, most),
         })
     }

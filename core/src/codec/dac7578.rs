@@ -37,7 +37,7 @@ pub const BROADCAST_ADDRESS: u8 = 0x47;
 /// The data of a power command that switches all channels on: mode 00 and a bit for each.
 pub const ALL_ON: u16 = 0x1FE0;
 /// The data of an LDAC command by which no channel waits for the pin.
-pub const NO_PIN: u16 = 0xFF00;
+pub(crate) const NO_PIN: u16 = 0xFF00;
 
 /// The bytes of a write: a command, its access bits, and two bytes of data.
 pub const fn frame(command: u8, access: u8, data: u16) -> [u8; 3] {

@@ -2,8 +2,11 @@
 //! disagree about a register by accident of two tables.
 
 pub mod can;
+#[cfg(feature = "projector")]
 pub mod dac7578;
+#[cfg(feature = "unit")]
 pub mod link;
 pub mod mtb;
+#[cfg(feature = "projector")]
 pub mod pca9685;
 pub mod uskin;

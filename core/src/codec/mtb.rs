@@ -6,7 +6,7 @@
 use super::can::CanFrame;
 
 /// Identifier class of skin data.
-pub const CLASS: u16 = 0x400;
+const CLASS: u16 = 0x400;
 /// Byte 0 of the frame with taxels 0 to 6.
 pub const FIRST: u8 = 0x40;
 /// Byte 0 of the frame with taxels 7 to 11 and the error bytes.

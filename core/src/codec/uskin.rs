@@ -7,11 +7,11 @@
 use super::can::CanFrame;
 
 /// Byte 0 of a data frame as the boards send it; readers skip it.
-pub const HEAD: u8 = 0x93;
+const HEAD: u8 = 0x93;
 /// Byte 7 of a data frame as the boards send it (0x0C..0x0F were seen); readers skip it.
-pub const TAIL: u8 = 0x0F;
+const TAIL: u8 = 0x0F;
 /// Byte 0 of every command; with a length of 2 it tells a command from data under a shared identifier.
-pub const COMMAND: u8 = 0x07;
+const COMMAND: u8 = 0x07;
 /// Identifier of board c's own command is `COMMAND_ID | c`.
 pub const COMMAND_ID: u16 = 0x200;
 /// The board number that means every board.
@@ -123,24 +123,16 @@ pub enum Message {
 }
 
 /// Why a frame means nothing here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Rejected {
     /// Neither a data frame's seven or eight bytes nor a command's two.
+    #[error("neither 7 or 8 data bytes nor a 2-byte command")]
     Length,
     /// Two bytes that are no known command.
+    #[error("unknown command")]
     UnknownCommand,
 }
-
-impl core::fmt::Display for Rejected {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Length => "neither 7 or 8 data bytes nor a 2-byte command",
-            Self::UnknownCommand => "unknown command",
-        })
-    }
-}
-
-impl core::error::Error for Rejected {}
 
 /// The meaning of a frame. Commands are told from data by their length and byte 0, since their
 /// identifiers meet (board c's command `0x20c` is also its chip on SDA line 2, chip 0).

@@ -195,11 +195,13 @@ impl Compressor {
     }
 
     /// The most contacts of a frame.
+    #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn room(&self) -> usize {
         self.groups.iter().map(|g| g.places.capacity()).sum()
     }
 
     /// Takes contacts that another compressor found in place of a frame, [`Self::room`] at most.
+    #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn hold(&mut self, contacts: &[Contact]) {
         self.contacts.clear();
         let most = contacts.len().min(self.room());

@@ -3,7 +3,7 @@
 use crate::units::Point;
 
 /// A contact: one place where the skin is touched.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// Identity, from 1; the same as long as the contact lasts, never given twice.
     pub id: u32,

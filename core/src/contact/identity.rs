@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 /// Memory to match up to a given number of contacts.
 #[derive(Clone, Debug)]
-pub struct Matcher {
+pub(super) struct Matcher {
     /// Nearest free new contact of every old one: squared distance and index; `None` once the old one is taken.
     nearest: Vec<Option<(f32, usize)>>,
     taken: Vec<bool>,
@@ -94,7 +94,7 @@ impl Matcher {
 }
 
 /// A number never given before (within 2^32 births; then they start over at 1).
-pub fn born(next: &mut u32) -> u32 {
+pub(super) fn born(next: &mut u32) -> u32 {
     let id = (*next).max(1);
     *next = id.wrapping_add(1);
     id

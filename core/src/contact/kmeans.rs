@@ -324,20 +324,6 @@ impl KMeans {
         let sum = self.sums.get(cluster).filter(|_| cluster < clusters);
         sum.map_or(0, |s| s[3] as u32)
     }
-
-    /// sum(w d²) of the points to their nearest centroid, mm² times weight.
-    pub fn inertia(&self, points: Points<'_>) -> f64 {
-        (0..points.len())
-            .map(|i| {
-                let d = self.centroids().map(|(x, y)| {
-                    let dx = f64::from(points.x[i]) - f64::from(x);
-                    let dy = f64::from(points.y[i]) - f64::from(y);
-                    dx * dx + dy * dy
-                });
-                f64::from(points.w[i]) * d.fold(f64::INFINITY, f64::min)
-            })
-            .sum()
-    }
 }
 
 /// Where all members weigh nothing they weigh the same.

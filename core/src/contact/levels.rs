@@ -5,44 +5,30 @@
 //! over a recording; [`LevelSolver`] per frame in memory made beforehand.
 
 use alloc::vec::Vec;
-use core::fmt;
 
 use super::few::{self, FEW};
 use crate::vector::Vectors;
 
 /// Why levels cannot be found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LevelError {
     /// K_I = 0, or more than 65,535.
+    #[error("the number of levels must be 1 to 65535")]
     BadCount,
     /// Nothing to find levels in.
+    #[error("no intensity to find levels in")]
     Empty,
     /// A value is NaN or infinite.
+    #[error("intensity {index} is not a finite number")]
     NotFinite {
         /// Its index.
         index: usize,
     },
     /// Weber spacing needs 0 < lowest <= highest and a positive fraction, all finite.
+    #[error("expected 0 < lowest <= highest and a positive Weber fraction")]
     BadRange,
 }
-
-impl fmt::Display for LevelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::BadCount => write!(f, "the number of levels must be 1 to 65535"),
-            Self::Empty => write!(f, "no intensity to find levels in"),
-            Self::NotFinite { index } => write!(f, "intensity {index} is not a finite number"),
-            Self::BadRange => {
-                write!(
-                    f,
-                    "expected 0 < lowest <= highest and a positive Weber fraction"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for LevelError {}
 
 /// Intensity levels, ascending raw counts; level 1 is the lowest.
 #[derive(Clone, Debug, PartialEq)]

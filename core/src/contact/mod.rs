@@ -18,17 +18,17 @@
 //! assert!((contacts[0].place.x - -1.175).abs() < 1e-5); // a quarter of the way from taxel 5 to 6
 //! ```
 
-pub mod compressor;
+mod compressor;
 mod few;
 mod found;
 mod group;
-pub mod identity;
-pub mod interpolate;
+mod identity;
+mod interpolate;
 pub mod kmeans;
 pub mod levels;
 mod passes;
-pub mod settings;
-pub mod weights;
+mod settings;
+mod weights;
 
 pub use compressor::Compressor;
 pub use found::{Contact, Work};

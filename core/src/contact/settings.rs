@@ -1,7 +1,5 @@
 //! Settings of the compressor, and why they are refused.
 
-use core::fmt;
-
 use super::levels::LevelTable;
 
 /// What a cluster and a level span.
@@ -102,30 +100,22 @@ impl Settings {
 }
 
 /// Why settings are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// K_C is 0 or over 4096.
+    #[error("the number of contacts K_C must be 1 to 4096")]
     BadClusters,
     /// p is not within 0 to 16.
+    #[error("the weight exponent must be 0 to 16")]
     BadExponent,
     /// zeta_C is not a finite number of mm, 0 or more.
+    #[error("the stop tolerance must be finite and not negative")]
     BadTolerance,
     /// No iteration allowed.
+    #[error("at least one iteration is needed")]
     NoIterations,
     /// K_I = 0.
+    #[error("the number of levels K_I must be 1 or more")]
     NoLevels,
 }
-
-impl fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::BadClusters => "the number of contacts K_C must be 1 to 4096",
-            Self::BadExponent => "the weight exponent must be 0 to 16",
-            Self::BadTolerance => "the stop tolerance must be finite and not negative",
-            Self::NoIterations => "at least one iteration is needed",
-            Self::NoLevels => "the number of levels K_I must be 1 or more",
-        })
-    }
-}
-
-impl core::error::Error for SettingsError {}

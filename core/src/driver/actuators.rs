@@ -1,10 +1,14 @@
 //! What every driver is to the loop.
 
-use crate::guard::{Guarded, Observed};
-use crate::units::Instant;
+use alloc::vec::Vec;
 
-/// What feeds actuators of one kind: accepts only what their guard has passed. Wires take [`Guarded`], a Peltier module
-/// [`GuardedCurrent`](crate::peltier::GuardedCurrent).
+use super::{DriverError, Traffic};
+use crate::guard::Guarded;
+use crate::units::{Board, Instant};
+
+/// What feeds actuators of one kind. Wires take [`Guarded`], a Peltier module
+/// [`GuardedCurrent`](crate::peltier::GuardedCurrent): what their guards have passed, and nothing else. Emulated registers
+/// take [`Observed`](crate::guard::Observed); nothing that drives hardware does.
 pub trait Actuators<U = Guarded> {
     /// What can go wrong on the actuator bus.
     type Error: core::error::Error;
@@ -23,21 +27,26 @@ pub trait Actuators<U = Guarded> {
     }
 }
 
-/// Emulated registers, in a run that the guard only observes. Nothing that drives hardware implements it; the writer
-/// of the emulators does.
-pub trait ObservedRegisters {
-    /// What can go wrong on the emulated bus.
-    type Error: core::error::Error;
-
-    /// Puts what the guard saw on the outputs of one board, all its channels together.
+/// Boards that can be started, read back and driven.
+pub trait Driver: Actuators<Error = DriverError> {
+    /// Everything off, then set up. Returns when the first update may come.
     ///
     /// # Errors
-    /// The bus's.
-    fn write(&mut self, update: &Observed) -> Result<(), Self::Error>;
+    /// [`DriverError`] of the first board that does not answer or does not read back.
+    fn start(&mut self, now: Instant) -> Result<Instant, DriverError>;
 
-    /// Switches every output of every board off.
+    /// Whether every board still is as [`Self::start`] left it.
     ///
     /// # Errors
-    /// The bus's.
-    fn all_off(&mut self) -> Result<(), Self::Error>;
+    /// [`DriverError`] of the first board that does not answer or does not read back.
+    fn verify(&mut self) -> Result<(), DriverError>;
+
+    /// Transfers made again after a transient error.
+    fn retries(&self) -> u64;
+
+    /// What updates came to on all buses so far.
+    fn traffic(&self) -> Traffic;
+
+    /// Every board, in the order of their numbers.
+    fn boards(&self) -> Vec<Board>;
 }

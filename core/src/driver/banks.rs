@@ -1,11 +1,11 @@
 //! The boards of several I2C buses as one: numbered through, each bus with a bank of its own.
 
 use alloc::boxed::Box;
+use alloc::vec::Vec;
 
 use embedded_hal::i2c::I2c;
 
-use super::Actuators;
-use super::{DriverError, Pca9685Bank, Traffic};
+use super::{Actuators, Driver, DriverError, Pca9685Bank, Traffic};
 use crate::guard::Guarded;
 use crate::units::{Board, Instant, Milliamps, Prescale};
 
@@ -57,51 +57,6 @@ impl<I: I2c> Banks<I> {
         }
     }
 
-    /// Everything off on every bus, then [`Pca9685Bank::start`] for each.
-    ///
-    /// # Errors
-    /// [`DriverError`] of the first board that does not answer or does not read back.
-    pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
-        // A bank switches its own boards off first; the last bus must not wait for the first one's set-up.
-        if self.banks.len() > 1 {
-            self.all_off()?;
-        }
-        let mut ready = now;
-        for bank in &mut self.banks {
-            ready = ready.max(bank.start(now)?);
-        }
-        Ok(ready)
-    }
-
-    /// Whether every board still is as [`Self::start`] left it.
-    ///
-    /// # Errors
-    /// [`DriverError`] of the first board that does not answer or does not read back.
-    pub fn verify(&mut self) -> Result<(), DriverError> {
-        self.banks.iter_mut().try_for_each(Pca9685Bank::verify)
-    }
-
-    /// Transfers made again after a transient error.
-    pub fn retries(&self) -> u64 {
-        self.banks.iter().map(Pca9685Bank::retries).sum()
-    }
-
-    /// What updates came to on all buses so far.
-    pub fn traffic(&self) -> Traffic {
-        let each = self.banks.iter().map(Pca9685Bank::traffic);
-        each.fold(Traffic::default(), |sum, one| Traffic {
-            writes: sum.writes + one.writes,
-            unchanged_updates: sum.unchanged_updates + one.unchanged_updates,
-            channels: sum.channels + one.channels,
-            unchanged_channels: sum.unchanged_channels + one.unchanged_channels,
-        })
-    }
-
-    /// Every board, in the order of their numbers.
-    pub fn boards(&self) -> impl Iterator<Item = Board> + '_ {
-        self.banks.iter().flat_map(Pca9685Bank::numbers)
-    }
-
     /// The bus that carries a board.
     pub fn bus_of(&self, board: Board) -> Option<&I> {
         let carries = |bank: &&Pca9685Bank<I>| bank.numbers().any(|b| b == board);
@@ -128,5 +83,41 @@ impl<I: I2c> Actuators for Banks<I> {
             result.and(one)
         };
         self.banks.iter_mut().fold(Ok(()), off)
+    }
+}
+
+impl<I: I2c> Driver for Banks<I> {
+    /// A bank switches its own boards off first; the last bus does not wait for the first one's set-up.
+    fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
+        if self.banks.len() > 1 {
+            self.all_off()?;
+        }
+        let mut ready = now;
+        for bank in &mut self.banks {
+            ready = ready.max(bank.start(now)?);
+        }
+        Ok(ready)
+    }
+
+    fn verify(&mut self) -> Result<(), DriverError> {
+        self.banks.iter_mut().try_for_each(Pca9685Bank::verify)
+    }
+
+    fn retries(&self) -> u64 {
+        self.banks.iter().map(Pca9685Bank::retries).sum()
+    }
+
+    fn traffic(&self) -> Traffic {
+        let each = self.banks.iter().map(Pca9685Bank::traffic);
+        each.fold(Traffic::default(), |sum, one| Traffic {
+            writes: sum.writes + one.writes,
+            unchanged_updates: sum.unchanged_updates + one.unchanged_updates,
+            channels: sum.channels + one.channels,
+            unchanged_channels: sum.unchanged_channels + one.unchanged_channels,
+        })
+    }
+
+    fn boards(&self) -> Vec<Board> {
+        self.banks.iter().flat_map(Pca9685Bank::numbers).collect()
     }
 }

@@ -5,13 +5,17 @@ mod banks;
 mod dac7578;
 mod look;
 mod pca9685;
+#[cfg(feature = "unit")]
 mod unit;
+mod unit_fault;
 
-pub use actuators::{Actuators, ObservedRegisters};
+pub use actuators::{Actuators, Driver};
 pub use banks::Banks;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};
-pub use unit::{LinkCounts, UnitDriver, UnitFault, UnitSettings};
+#[cfg(feature = "unit")]
+pub use unit::{LinkCounts, UnitDriver, UnitSettings};
+pub use unit_fault::UnitFault;
 
 /// Every channel of a board, a bit each.
 const WHOLE: u16 = u16::MAX;

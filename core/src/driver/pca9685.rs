@@ -5,7 +5,6 @@
 //! duty. A channel that is off carries the full-off bit, and nothing ever sets full on.
 
 use alloc::boxed::Box;
-use core::fmt;
 
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
@@ -16,19 +15,25 @@ use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
 
 /// What went wrong, on which board, and whether trying again makes sense.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DriverError {
     /// No board answers at the address of this index.
+    #[error("board {}: not one of this bench's boards", .0.0)]
     NoSuchBoard(Board),
     /// The bus reported this while talking to a board.
+    #[error("board {board}: I2C {1:?}{hint}", board = .0.0, hint = hint(*.1))]
     Bus(Board, ErrorKind),
     /// The board did not read back what was written: register, expected, found.
+    #[error("board {board}: register {1:#04x} reads {3:#04x}, expected {2:#04x}: {why}", board = .0.0, why = why_misread(*.1, *.2, *.3))]
     Readback(Board, u8, u8, u8),
     /// An output's converter does not hold the code that was written: output, expected, found.
+    #[error("board {board}: the converter of output {1} reads {3}, expected {2}: brown-out, a defect, or another program on the bus", board = .0.0)]
     Current(Board, u8, u16, u16),
     /// An output that shall have a current set has no converter.
+    #[error("board {board}: output {1} has no converter, expected one of outputs 0 to 7 of a board with a DAC7578", board = .0.0)]
     NoConverter(Board, u8),
     /// The driver unit that has the boards cannot be driven.
+    #[error(transparent)]
     Unit(UnitFault),
 }
 
@@ -45,49 +50,26 @@ impl DriverError {
     }
 }
 
-impl fmt::Display for DriverError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchBoard(b) => write!(f, "board {}: not one of this bench's boards", b.0),
-            Self::Bus(b, kind) => {
-                let hint = match kind {
-                    ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address) => {
-                        ": no chip answers at its address; check wiring, power and the address straps"
-                    }
-                    ErrorKind::NoAcknowledge(_) => ": the chip refused a byte",
-                    ErrorKind::ArbitrationLoss => ": another master is on this bus",
-                    _ => "",
-                };
-                write!(f, "board {}: I2C {kind:?}{hint}", b.0)
-            }
-            Self::Readback(b, regs::MODE1, want, got) if got & !want & mode1::EXTCLK != 0 => {
-                write!(
-                    f,
-                    "board {}: register 0x00 reads {got:#04x}, expected {want:#04x}: the chip counts by its EXTCLK pin until its next power-up; switch it off and on, or state drive.clock",
-                    b.0
-                )
-            }
-            Self::Readback(b, reg, want, got) => write!(
-                f,
-                "board {}: register {reg:#04x} reads {got:#04x}, expected {want:#04x}: brown-out, or another program on the bus",
-                b.0
-            ),
-            Self::Current(b, output, want, got) => write!(
-                f,
-                "board {}: the converter of output {output} reads {got}, expected {want}: brown-out, a defect, or another program on the bus",
-                b.0
-            ),
-            Self::NoConverter(b, output) => write!(
-                f,
-                "board {}: output {output} has no converter, expected one of outputs 0 to 7 of a board with a DAC7578",
-                b.0
-            ),
-            Self::Unit(fault) => fault.fmt(f),
+/// The end of the message about a bus that failed: where to look.
+const fn hint(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address) => {
+            ": no chip answers at its address; check wiring, power and the address straps"
         }
+        ErrorKind::NoAcknowledge(_) => ": the chip refused a byte",
+        ErrorKind::ArbitrationLoss => ": another master is on this bus",
+        _ => "",
     }
 }
 
-impl core::error::Error for DriverError {}
+/// The likely reason why a register does not read back what was written.
+const fn why_misread(register: u8, want: u8, got: u8) -> &'static str {
+    if register == regs::MODE1 && got & !want & mode1::EXTCLK != 0 {
+        "the chip counts by its EXTCLK pin until its next power-up; switch it off and on, or state drive.clock"
+    } else {
+        "brown-out, or another program on the bus"
+    }
+}
 
 /// Times a transfer is tried before a transient error counts.
 const ATTEMPTS: u32 = 3;
@@ -168,7 +150,7 @@ impl<I: I2c> Pca9685Bank<I> {
 
     /// The same with its boards numbered from `first`, where another bus carries those before.
     #[must_use]
-    pub fn numbered_from(mut self, first: u8) -> Self {
+    pub(super) fn numbered_from(mut self, first: u8) -> Self {
         self.first = first;
         self
     }

@@ -97,7 +97,7 @@ impl Guard {
     }
 
     /// Electrical energy, nJ, that the row of the fingertip's power leaves of a stimulus at `at` on any wire.
-    pub fn fingertip_nj(&self, at: Instant) -> u64 {
+    pub(crate) fn fingertip_nj(&self, at: Instant) -> u64 {
         faded(self.fingertip.left_pj_at(at) / 1000)
     }
 
@@ -124,7 +124,7 @@ impl Guard {
 
     /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: what the rows of power and of heat
     /// bear at its end. The dose is left out.
-    pub fn sustained_uw(&self, session: Duration) -> u64 {
+    pub(crate) fn sustained_uw(&self, session: Duration) -> u64 {
         let seconds = session.as_secs_f64();
         let per_watt = |row: &Decays| -> f64 {
             let each = row.iter().zip(&RATES);

@@ -81,25 +81,58 @@ impl Limits {
         self.stricter(&HARD)
     }
 
-    /// The stricter of both in every row.
+    /// The stricter of both in every row, which is the lower.
     #[must_use]
     pub fn stricter(self, other: &Self) -> Self {
+        let mut rows = self.rows();
+        for (row, other) in rows.iter_mut().zip(other.rows()) {
+            *row = other.min(*row);
+        }
+        Self::from_rows(rows)
+    }
+
+    /// Every row in the order of the fields, as integers: times in microseconds, currents in milliamperes, the rest as it
+    /// is. A driver unit tells its limits in this order.
+    #[must_use]
+    pub const fn rows(&self) -> [u64; 15] {
+        [
+            self.pulse_width_ns,
+            self.burst.as_micros(),
+            self.burst_energy_nj,
+            self.wire_1s_uw,
+            self.wire_10s_uw,
+            self.fingertip_1s_uw,
+            self.fingertip_60s_uw,
+            self.hand_60s_uw,
+            self.skin_mean_mc,
+            self.skin_peak_mc,
+            self.skin_deep_mc,
+            self.dose_omega_ppm,
+            self.dose_cem43_ms,
+            self.stale.as_micros(),
+            self.supply.0 as u64,
+        ]
+    }
+
+    /// The table with these [`Self::rows`]; a current that is too large for its type becomes the largest.
+    #[must_use]
+    pub fn from_rows(rows: [u64; 15]) -> Self {
         Self {
-            pulse_width_ns: self.pulse_width_ns.min(other.pulse_width_ns),
-            burst: self.burst.min(other.burst),
-            burst_energy_nj: self.burst_energy_nj.min(other.burst_energy_nj),
-            wire_1s_uw: self.wire_1s_uw.min(other.wire_1s_uw),
-            wire_10s_uw: self.wire_10s_uw.min(other.wire_10s_uw),
-            fingertip_1s_uw: self.fingertip_1s_uw.min(other.fingertip_1s_uw),
-            fingertip_60s_uw: self.fingertip_60s_uw.min(other.fingertip_60s_uw),
-            hand_60s_uw: self.hand_60s_uw.min(other.hand_60s_uw),
-            skin_mean_mc: self.skin_mean_mc.min(other.skin_mean_mc),
-            skin_peak_mc: self.skin_peak_mc.min(other.skin_peak_mc),
-            skin_deep_mc: self.skin_deep_mc.min(other.skin_deep_mc),
-            dose_omega_ppm: self.dose_omega_ppm.min(other.dose_omega_ppm),
-            dose_cem43_ms: self.dose_cem43_ms.min(other.dose_cem43_ms),
-            stale: self.stale.min(other.stale),
-            supply: self.supply.min(other.supply),
+            pulse_width_ns: rows[0],
+            burst: Duration::from_micros(rows[1]),
+            burst_energy_nj: rows[2],
+            wire_1s_uw: rows[3],
+            wire_10s_uw: rows[4],
+            fingertip_1s_uw: rows[5],
+            fingertip_60s_uw: rows[6],
+            hand_60s_uw: rows[7],
+            skin_mean_mc: rows[8],
+            skin_peak_mc: rows[9],
+            skin_deep_mc: rows[10],
+            dose_omega_ppm: rows[11],
+            dose_cem43_ms: rows[12],
+            stale: Duration::from_micros(rows[13]),
+            supply: Milliamps(u32::try_from(rows[14]).unwrap_or(u32::MAX)),
         }
     }
 }

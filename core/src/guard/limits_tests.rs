@@ -51,6 +51,14 @@ fn what_is_tighter_stays() {
 }
 
 #[test]
+fn a_table_comes_back_from_its_rows() {
+    let rows: [u64; 15] = core::array::from_fn(|row| row as u64 + 1);
+    assert_eq!(Limits::from_rows(rows).rows(), rows);
+    assert_eq!(Limits::from_rows(HARD.rows()), HARD);
+    assert_eq!(Limits::from_rows([u64::MAX; 15]).supply, HARD.supply);
+}
+
+#[test]
 fn fingertips_of_a_hand_share_its_power() {
     let share = |fingertips| HARD.of_hand(fingertips).fingertip_60s_uw;
     assert_eq!(

@@ -65,13 +65,13 @@ impl Guard {
     }
 
     /// Ends what has ended by `at` on one board. `None` where nothing has.
-    pub fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
+    pub(crate) fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
         let update = self.expire(at, board);
         update.changes().then(|| self.observed(&update))
     }
 
     /// Emulated registers hold what was observed: every current in it was set.
-    pub fn confirm_observed(&mut self, update: &Observed) {
+    pub(crate) fn confirm_observed(&mut self, update: &Observed) {
         let current = |channel: u8| {
             let slot = update.currents.get(usize::from(channel));
             slot.copied().flatten()

@@ -1,7 +1,5 @@
 //! What the guard must know of the hardware it protects, and what its pulses deliver at worst.
 
-use core::fmt;
-
 use crate::units::{Duration, Milliamps, Prescale, Ticks};
 
 /// The slowest internal oscillator seen on a real chip, Hz: it makes the longest pulses and the longest periods.
@@ -39,19 +37,15 @@ impl Default for Plant {
 }
 
 /// Why a guard cannot protect this hardware.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlantError {
     /// Resistance or current is zero or absurd (over 1 kOhm or 100 A).
+    #[error(
+        "expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA"
+    )]
     OutOfRange,
 }
-
-impl fmt::Display for PlantError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA")
-    }
-}
-
-impl core::error::Error for PlantError {}
 
 impl Plant {
     /// Whether these are figures that a wire can have.

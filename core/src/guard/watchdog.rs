@@ -1,38 +1,27 @@
 //! The watchdog: sensor age, tick lateness and link, and the cause for which everything stays off.
 
-use core::fmt;
-
 use crate::units::{Duration, Instant};
 
-/// Why everything was switched off. The list is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Why everything was switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.word())]
+#[non_exhaustive]
 pub enum Cause {
     /// No sensor frame for longer than the limit while a wire was driven.
+    #[error("{}: no sensor frame for 100 ms while a wire was driven", self.word())]
     StaleInput,
     /// The actuator bus reported an error.
     ActuatorError,
     /// The sensor bus reported an error.
     SensorError,
     /// The loop was called too late to end a stimulus in time.
+    #[error("{}: this computer was too late to end a stimulus in time", self.word())]
     LateTick,
     /// The run ended.
     End,
     /// A wire was on for longer than a burst may be, because it went off too late.
     Overrun,
 }
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.word())?;
-        f.write_str(match self {
-            Self::StaleInput => ": no sensor frame for 100 ms while a wire was driven",
-            Self::LateTick => ": this computer was too late to end a stimulus in time",
-            Self::ActuatorError | Self::SensorError | Self::End | Self::Overrun => "",
-        })
-    }
-}
-
-impl core::error::Error for Cause {}
 
 impl Cause {
     /// The word that stands in a schedule file.
@@ -49,7 +38,7 @@ impl Cause {
 
     /// The cause to keep of this one and one that came later: this, but for a failed bus that became an overrun.
     #[must_use]
-    pub const fn followed_by(self, later: Self) -> Self {
+    pub(crate) const fn followed_by(self, later: Self) -> Self {
         match (self, later) {
             (Self::ActuatorError, Self::Overrun) => Self::Overrun,
             (first, _) => first,

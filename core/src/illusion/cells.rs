@@ -70,7 +70,7 @@ impl Cells {
     }
 
     /// Whether the wires lie in one line, so that no cell has an area.
-    pub const fn in_line(&self) -> bool {
+    pub(super) const fn in_line(&self) -> bool {
         !self.line.is_empty()
     }
 
@@ -239,7 +239,7 @@ impl Cells {
 
     /// Parts (0 ..= 1) of the segment from `from` to `to` at which it passes from one cell into the next,
     /// sorted, each once.
-    pub fn crossings(&self, from: Point, to: Point) -> Vec<f32> {
+    pub(super) fn crossings(&self, from: Point, to: Point) -> Vec<f32> {
         let mut parts = Vec::new();
         if self.in_line() {
             let (a, b) = (self.along(from), self.along(to));

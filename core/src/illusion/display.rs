@@ -2,7 +2,6 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::fmt;
 
 use crate::units::{Board, Channel, Point};
 
@@ -31,36 +30,28 @@ pub struct Display {
 }
 
 /// Why an arrangement of wires is no display.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DisplayError {
     /// No wire at all.
+    #[error("a display needs at least one wire")]
     Empty,
     /// More wires than 16 boards of 16 channels can drive.
+    #[error("a display has at most 256 wires, found {0}")]
     TooMany(usize),
     /// A coordinate of this wire is not a finite number.
+    #[error("wire {0}: expected finite coordinates in mm")]
     NotFinite(usize),
     /// These two wires lie at the same place.
+    #[error("wires {0} and {1} lie at the same place")]
     Coincident(usize, usize),
     /// These two wires are driven by the same output.
+    #[error("wires {0} and {1} share one board and channel")]
     SharedOutput(usize, usize),
     /// This wire's channel is not 0 ..= 15, or its board not 0 ..= 15.
+    #[error("wire {0}: expected board 0..15 and channel 0..15")]
     NoSuchOutput(usize),
 }
-
-impl fmt::Display for DisplayError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "a display needs at least one wire"),
-            Self::TooMany(n) => write!(f, "a display has at most 256 wires, found {n}"),
-            Self::NotFinite(i) => write!(f, "wire {i}: expected finite coordinates in mm"),
-            Self::Coincident(i, j) => write!(f, "wires {i} and {j} lie at the same place"),
-            Self::SharedOutput(i, j) => write!(f, "wires {i} and {j} share one board and channel"),
-            Self::NoSuchOutput(i) => write!(f, "wire {i}: expected board 0..15 and channel 0..15"),
-        }
-    }
-}
-
-impl core::error::Error for DisplayError {}
 
 impl Display {
     /// A display from its wires; the spacings of (5.2) are the smallest gaps between distinct columns

@@ -2,7 +2,6 @@
 
 use alloc::boxed::Box;
 use alloc::vec;
-use core::fmt;
 
 use crate::physics::FULL_DRIVE_DUTY;
 use crate::units::Ticks;
@@ -79,27 +78,19 @@ pub struct Calibration {
 }
 
 /// Why a calibration is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CalibrationError {
     /// There must be one gain and one threshold a wire.
+    #[error("one gain and one threshold a wire")]
     Count,
     /// This wire's gain is not above 0 and at most 1: the strongest wire has gain 1, others are lowered to it.
+    #[error("a gain above 0 and at most 1 (full scale)")]
     Gain(usize),
     /// This wire's threshold is not from 0 to below 1: what is not felt at full drive cannot be driven.
+    #[error("a threshold from 0 to below the wire's gain")]
     Threshold(usize),
 }
-
-impl fmt::Display for CalibrationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count => f.write_str("one gain and one threshold a wire"),
-            Self::Gain(_) => f.write_str("a gain above 0 and at most 1 (full scale)"),
-            Self::Threshold(_) => f.write_str("a threshold from 0 to below the wire's gain"),
-        }
-    }
-}
-
-impl core::error::Error for CalibrationError {}
 
 impl Calibration {
     /// Everything as it comes: gain 1, threshold 0.

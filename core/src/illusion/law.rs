@@ -20,34 +20,25 @@ pub trait Illusion: fmt::Debug + Send + Sync {
 }
 
 /// Why a law does not fit a display, or its settings a law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IllusionError {
     /// Nothing lies between one wire.
+    #[error("two wires or more: with one there is no place between (`nearest` takes one)")]
     OneWire,
     /// Three nearest need wires that are not in one line.
+    #[error("wires that are not in one line: three-nearest needs triangles")]
     InLine,
     /// The shape is no positive number, or the model has none.
+    #[error(
+        "a shape above 0 for phantom, balanced or gaussian, `flat` for phantom only, and none for the others"
+    )]
     Shape,
     /// The model knows no such distances.
+    #[error(
+        "`axes` for phantom, energy, linear or square, `plane` for any, `space` for phantom, three-nearest, gaussian or nearest"
+    )]
     Distances,
     /// The margin is no positive number.
+    #[error("a margin above 0")]
     Margin,
 }
-
-impl fmt::Display for IllusionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OneWire => "two wires or more: with one there is no place between (`nearest` takes one)",
-            Self::InLine => "wires that are not in one line: three-nearest needs triangles",
-            Self::Shape => {
-                "a shape above 0 for phantom, balanced or gaussian, `flat` for phantom only, and none for the others"
-            }
-            Self::Distances => {
-                "`axes` for phantom, energy, linear or square, `plane` for any, `space` for phantom, three-nearest, gaussian or nearest"
-            }
-            Self::Margin => "a margin above 0",
-        })
-    }
-}
-
-impl core::error::Error for IllusionError {}

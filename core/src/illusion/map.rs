@@ -1,7 +1,5 @@
 //! The linear map from sensor to display millimetres, each axis on its own.
 
-use core::fmt;
-
 use crate::units::Point;
 
 /// An axis-parallel rectangle, mm.
@@ -54,29 +52,21 @@ pub struct Map {
 }
 
 /// Why there is no map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MapError {
     /// The sensor rectangle has no finite, positive extent along an axis the display spans.
+    #[error(
+        "expected a sensor rectangle of positive width and height wherever the display has one"
+    )]
     Degenerate,
     /// The sensor rectangle reaches beyond the taxels, so a part of the display could never be
     /// reached: the display is not contained in the mapped sensor area.
+    #[error(
+        "the display is not contained in the mapped sensor area: expected a rectangle inside the taxels' hull"
+    )]
     NotContained,
 }
-
-impl fmt::Display for MapError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Degenerate => {
-                "expected a sensor rectangle of positive width and height wherever the display has one"
-            }
-            Self::NotContained => {
-                "the display is not contained in the mapped sensor area: expected a rectangle inside the taxels' hull"
-            }
-        })
-    }
-}
-
-impl core::error::Error for MapError {}
 
 impl Map {
     /// Maps the rectangle `from` (sensor mm; default: the hull of the taxels) onto `display` (mm).

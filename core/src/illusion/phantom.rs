@@ -10,7 +10,7 @@ use super::reach::Metric;
 
 /// Shape factors (s_x, s_y) of (5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub(super) struct Shape {
     /// Along x.
     pub x: f32,
     /// Along y.
@@ -81,7 +81,7 @@ impl Slope {
 /// neighbours are 0. Between two wires with s = 1 both get 0.23 .. 0.28: the gap that the thesis's users
 /// felt, and this model keeps.
 #[derive(Clone, Debug)]
-pub struct LogPhantom {
+pub(super) struct LogPhantom {
     slopes: (Slope, Slope),
     wires: Box<[Point]>,
 }
@@ -121,7 +121,7 @@ impl Illusion for LogPhantom {
 /// (5.2) with one factor over the true distance, in the plane or straight through space. D is each wire's
 /// distance to its nearest neighbour, so that on a wire its neighbours are still 0.
 #[derive(Clone, Debug)]
-pub struct RadialPhantom {
+pub(super) struct RadialPhantom {
     metric: Metric,
     slopes: Box<[Slope]>,
 }

@@ -53,7 +53,7 @@ impl Metric {
 /// A bell around every wire: `exp(-d^2 / 2 sigma^2)` with sigma a share of the wire's gap to its nearest
 /// neighbour, lowered and stretched so that it is 1 on the wire and ends at 0 where it would be 1 %.
 #[derive(Clone, Debug)]
-pub struct Gaussian {
+pub(super) struct Gaussian {
     metric: Metric,
     /// Per wire: -1 / 2 sigma^2 and the square of its reach.
     bells: Box<[(f32, f32)]>,
@@ -91,7 +91,7 @@ impl Illusion for Gaussian {
 
 /// All of it on the nearest wire. Wires equally near share the energy: no order of wires decides.
 #[derive(Clone, Debug)]
-pub struct Nearest {
+pub(super) struct Nearest {
     metric: Metric,
 }
 
@@ -125,7 +125,7 @@ impl Illusion for Nearest {
 /// on an edge the two at its ends. As published, a third wire drops out at the edge from a share that is
 /// not zero: the law jumps there.
 #[derive(Clone, Debug)]
-pub struct ThreeNearest {
+pub(super) struct ThreeNearest {
     metric: Metric,
     cells: Cells,
     places: Box<[Point]>,

@@ -48,7 +48,7 @@ impl Power {
 
 /// Shares by the cells between wires: any array.
 #[derive(Clone, Debug)]
-pub struct CellShares {
+pub(super) struct CellShares {
     cells: Cells,
     power: Power,
     /// Beyond the hull a contact is rendered on its edge, weaker with distance and not at all from here on, mm.
@@ -88,7 +88,7 @@ impl Illusion for CellShares {
 /// Shares axis by axis, `max(1 - |dx| / D_x, 0)` times the same in y: regular grids. Where a grid has a
 /// hole, what that wire should have given is missing.
 #[derive(Clone, Debug)]
-pub struct AxisShares {
+pub(super) struct AxisShares {
     spacing: (f32, f32),
     wires: alloc::boxed::Box<[Point]>,
     power: Power,

@@ -8,7 +8,6 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::fmt;
 
 use crate::units::{Duration, Instant, Point};
 
@@ -87,28 +86,16 @@ impl Planned {
 }
 
 /// Why there is no plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StrokeError {
     /// Start and end are one place, or no numbers: a contact, not a stroke.
+    #[error("a stroke between two different places")]
     NoLength,
     /// Faster than two stimuli can follow one another; the shortest time it can take.
+    #[error("a stroke of at least {} ms", .0.as_micros().div_ceil(1000))]
     TooFast(Duration),
 }
-
-impl fmt::Display for StrokeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoLength => f.write_str("a stroke between two different places"),
-            Self::TooFast(least) => write!(
-                f,
-                "a stroke of at least {} ms",
-                least.as_micros().div_ceil(1000)
-            ),
-        }
-    }
-}
-
-impl core::error::Error for StrokeError {}
 
 /// Shortest stimulus worth giving: two periods of 200 Hz.
 const SHORTEST_US: f32 = 10_000.0;
@@ -117,7 +104,7 @@ const BASE_US: f32 = 47_300.0;
 /// The law's factor.
 const LAW: f32 = 0.32;
 /// A phantom must travel this part of the gap to be felt as moving.
-pub const FELT_STEP: f32 = 0.2;
+const FELT_STEP: f32 = 0.2;
 
 impl Stroke {
     /// Its stimuli in order, none longer than `longest` or [`LONGEST`]. `gap` is the display's smallest distance of two

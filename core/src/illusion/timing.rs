@@ -1,7 +1,5 @@
 //! When stimuli start and how long they last.
 
-use core::fmt;
-
 use crate::schedule::Timing;
 use crate::units::Duration;
 
@@ -9,7 +7,7 @@ use crate::units::Duration;
 /// edge to the last, less a pulse and the bus (0.2 ms and 1 ms).
 pub const LONGEST: Duration = Duration::from_micros(48_800);
 /// Duration where neither it nor an onset asynchrony is stated (thesis chapter 5).
-pub const USUAL: Duration = Duration::from_millis(35);
+const USUAL: Duration = Duration::from_millis(35);
 
 /// Which study the missing one of duration and onset asynchrony follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,38 +54,28 @@ impl TimingLaw {
 
 /// Onset asynchrony for apparent motion: `0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush),
 /// in whole microseconds: 35 ms -> 58.5 ms.
-pub const fn soa_tactile_brush(duration: Duration) -> Duration {
+const fn soa_tactile_brush(duration: Duration) -> Duration {
     Duration::from_micros(duration.as_micros().saturating_mul(32) / 100 + 47_300)
 }
 
 /// The same law the other way round; zero where onsets are too close for it.
-pub const fn duration_tactile_brush(soa: Duration) -> Duration {
+pub(super) const fn duration_tactile_brush(soa: Duration) -> Duration {
     Duration::from_micros(soa.as_micros().saturating_sub(47_300).saturating_mul(100) / 32)
 }
 
 /// Why a timing is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TimingError {
     /// A stimulus of no length, or onsets no time apart; under 47.3 ms the law leaves no time to vibrate.
+    #[error(
+        "a stimulus duration above zero, or more than 47.3 ms between onsets for the law to give one"
+    )]
     Zero,
     /// Stimuli would overlap their successors: d <= SOA is required (Park 2016).
+    #[error("a stimulus not longer than the time between onsets, tau_d <= tau_SOA")]
     Overlap,
 }
-
-impl fmt::Display for TimingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Zero => {
-                "a stimulus duration above zero, or more than 47.3 ms between onsets for the law to give one"
-            }
-            Self::Overlap => {
-                "a stimulus not longer than the time between onsets, tau_d <= tau_SOA"
-            }
-        })
-    }
-}
-
-impl core::error::Error for TimingError {}
 
 #[cfg(test)]
 #[path = "timing_tests.rs"]

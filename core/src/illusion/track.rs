@@ -23,7 +23,7 @@ struct Track {
 /// Onsets do not wait for frames: 58.5 ms are 5.85 frames at 100 Hz. A contact is carried on with its
 /// velocity, so that what is felt at an onset is where the contact is then.
 #[derive(Clone, Debug)]
-pub struct Tracks {
+pub(crate) struct Tracks {
     slots: Box<[Option<Track>]>,
 }
 

@@ -50,6 +50,7 @@ const GOOD_FOR: Duration = Duration::from_millis(1000);
 
 /// Why a current is not the one asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum PeltierReason {
     /// Nothing is asked for.
     Off,

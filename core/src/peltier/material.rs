@@ -5,7 +5,7 @@
 //! holds it. What a real finger adds over seconds, warming what it touches, is left out.
 
 /// Effusivity of skin, J/(m2 K sqrt s): k 0.37 W/mK, 1000 kg/m3, 3770 J/kgK.
-pub const SKIN_EFFUSIVITY: f64 = 1181.0;
+const SKIN_EFFUSIVITY: f64 = 1181.0;
 
 /// A material that is touched, by the properties of its kind in handbooks at 25 degrees C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl Material {
     }
 
     /// Effusivity, J/(m2 K sqrt s).
-    pub fn effusivity(self) -> f64 {
+    fn effusivity(self) -> f64 {
         libm::sqrt(self.properties().into_iter().product())
     }
 

@@ -12,7 +12,7 @@ mod material;
 mod thermistor;
 
 pub use guard::{GuardedCurrent, LIMITS, PeltierLimits, PeltierReason, UNCERTAINTY_K};
-pub use material::{Material, SKIN_EFFUSIVITY};
+pub use material::Material;
 pub use thermistor::SensorFault;
 
 use crate::physics::{PeltierParameters, Thermistor};

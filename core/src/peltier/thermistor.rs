@@ -1,7 +1,5 @@
 //! From a converter's code to a temperature, or to what is wrong with the sensor.
 
-use core::fmt;
-
 use crate::physics::{Thermistor, ZERO_CELSIUS_K};
 
 /// Codes above this are of no thermistor colder than -15 degrees C: the lead is open.
@@ -10,13 +8,17 @@ const OPEN_ABOVE: u16 = 3700;
 const SHORT_BELOW: u16 = 400;
 
 /// Why a thermistor tells no temperature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
+#[non_exhaustive]
 pub enum SensorFault {
     /// A lead is broken.
+    #[error("thermistor: a lead is broken")]
     Open,
     /// The leads touch.
+    #[error("thermistor: the leads touch")]
     Short,
     /// No conversion has come for too long.
+    #[error("thermistor: no conversion has come for too long")]
     Stale,
 }
 
@@ -30,18 +32,6 @@ impl SensorFault {
         }
     }
 }
-
-impl fmt::Display for SensorFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Open => "thermistor: a lead is broken",
-            Self::Short => "thermistor: the leads touch",
-            Self::Stale => "thermistor: no conversion has come for too long",
-        })
-    }
-}
-
-impl core::error::Error for SensorFault {}
 
 /// The temperature of a code, degrees C.
 ///

@@ -28,7 +28,7 @@ pub const DEPTH_SHALLOW_M: f64 = 0.1e-3;
 /// Depth of the dermis at which the second plateau limit holds, metres.
 pub const DEPTH_DEEP_M: f64 = 0.4e-3;
 /// Duty of the thesis's full drive: 100 of 4096 ticks (2.44 %).
-pub const FULL_DRIVE_DUTY: f64 = 100.0 / 4096.0;
+pub(crate) const FULL_DRIVE_DUTY: f64 = 100.0 / 4096.0;
 
 /// Transformation temperatures of an alloy, or of one [`Play`], at [`Alloy::reference_stress_pa`]; in a play of the R
 /// phase that stands for martensite.
@@ -344,11 +344,6 @@ impl TissueParameters {
         modulus_pa: 100e3,
         contact_width_m: 60e-6,
     };
-    /// A wire stretched in still air, away from any skin.
-    pub const FREE: Self = Self {
-        contact_fraction: 0.0,
-        ..Self::DEFAULT
-    };
 
     /// Whether every value is one the model can compute with.
     ///
@@ -377,19 +372,12 @@ impl Default for TissueParameters {
 }
 
 /// A physical parameter that cannot be computed with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("physical parameter `{name}` is out of range")]
 pub struct ParameterError {
     /// The parameter's name as the struct spells it.
     pub name: &'static str,
 }
-
-impl core::fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "physical parameter `{}` is out of range", self.name)
-    }
-}
-
-impl core::error::Error for ParameterError {}
 
 fn check(name: &'static str, good: bool) -> Result<(), ParameterError> {
     if good {

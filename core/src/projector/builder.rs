@@ -1,4 +1,4 @@
-//! The loop, and its output half, from a layout and a display: whatever is not stated has a default.
+//! The loop, and its output half, from a layout and a display: defaults are those of `hil run`.
 
 use alloc::boxed::Box;
 
@@ -6,24 +6,35 @@ use crate::contact::{Scope, Settings};
 use crate::guard::{Guard, HARD, Limits, Plant};
 use crate::illusion::{
     Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
-    Sharing, TimingLaw, build,
+    Sharing, build, inverse,
 };
+use crate::render::{CADENCE, Pattern, RenderSettings, Response, Style};
 use crate::schedule::{Share, Timing};
 use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
-use crate::units::Point;
+use crate::units::{Duration, Milliamps, Point, Prescale};
 
 use super::texture::TexturePlan;
 use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
+
+/// The bench that `hil run` emulates by default, `fixtures/benches/emulated.toml`: loose wires of 8 mm at the published
+/// current. Three pulses at this PRE_SCALE are a vibration, and carry what a contact that moves on needs.
+const LOOSE_8MM: Plant = Plant {
+    prescale: Prescale::new(92),
+    wire_milliohm: 2586,
+    peak: Milliamps(1970),
+    bus: Duration::ZERO,
+};
 
 /// How an [`Output`] is to be built.
 #[derive(Debug)]
 #[must_use]
 pub struct OutputBuilder {
     display: Display,
-    plant: Plant,
+    plant: Option<Plant>,
     limits: Limits,
-    timing: Option<Timing>,
-    illusion: Option<Box<dyn Illusion>>,
+    response: Option<Response>,
+    style: Style,
+    published: Option<(Box<dyn Illusion>, Timing)>,
     sharing: Sharing,
     calibration: Option<Calibration>,
     strokes: Box<[Planned]>,
@@ -35,10 +46,11 @@ impl From<Display> for OutputBuilder {
     fn from(display: Display) -> Self {
         Self {
             display,
-            plant: Plant::default(),
+            plant: None,
             limits: HARD,
-            timing: None,
-            illusion: None,
+            response: None,
+            style: Style::default(),
+            published: None,
             sharing: Sharing::default(),
             calibration: None,
             strokes: Box::default(),
@@ -48,16 +60,18 @@ impl From<Display> for OutputBuilder {
 }
 
 impl Output {
-    /// An output half on a display: whatever is not stated has a default.
+    /// An output half on a display. Defaults are those of `hil run`: the renderer chooses pulses every 117 ms, for loose
+    /// wires of 8 mm at 1.97 A.
     pub fn builder(display: Display) -> OutputBuilder {
         display.into()
     }
 }
 
 impl OutputBuilder {
-    /// The hardware behind the outputs, [`Plant::default`] unless stated: the guard counts heat with it.
+    /// The hardware behind the outputs: the guard counts heat with it, and its PRE_SCALE spaces the pulses. Unless stated
+    /// these are wires of 2.586 Ohm at 1.97 A, and PRE_SCALE 92.
     pub const fn plant(mut self, plant: Plant) -> Self {
-        self.plant = plant;
+        self.plant = Some(plant);
         self
     }
 
@@ -67,15 +81,22 @@ impl OutputBuilder {
         self
     }
 
-    /// Stimulus duration and onset asynchrony; 35 ms and 58.5 ms unless stated.
-    pub const fn timing(mut self, timing: Timing) -> Self {
-        self.timing = Some(timing);
+    /// Amplitudes by width in ticks of the plant's PRE_SCALE, by which the renderer finds widths. Unless stated these are
+    /// [`Response::loose_8mm`], or for a stated plant [`Response::linear`].
+    pub fn response(mut self, response: Response) -> Self {
+        self.response = Some(response);
         self
     }
 
-    /// The law between wires; the default of [`ModelSettings`] unless stated.
-    pub fn illusion(mut self, illusion: Box<dyn Illusion>) -> Self {
-        self.illusion = Some(illusion);
+    /// Vibration or taps of the renderer, a vibration unless stated.
+    pub const fn style(mut self, style: Style) -> Self {
+        self.style = style;
+        self
+    }
+
+    /// A published law in place of the renderer, with its stimulus duration and onset asynchrony.
+    pub fn illusion(mut self, law: Box<dyn Illusion>, timing: Timing) -> Self {
+        self.published = Some((law, timing));
         self
     }
 
@@ -97,7 +118,7 @@ impl OutputBuilder {
         self
     }
 
-    /// Activation to duty, [`Drive::default`] unless stated.
+    /// Activation to duty of a published law, and weights of levels: [`Drive::default`] unless stated.
     pub const fn drive(mut self, drive: Drive) -> Self {
         self.drive = drive;
         self
@@ -117,25 +138,41 @@ impl OutputBuilder {
 
     fn parts(self) -> Result<(Display, OutputSettings, Guard), PlanError> {
         let display = self.display;
-        let guard = Guard::new(self.limits, self.plant, display.wires())?;
-        let timing = match self.timing {
-            Some(timing) => timing,
-            None => TimingLaw::default().timing(None, None)?,
-        };
-        let illusion = match self.illusion {
-            Some(illusion) => illusion,
-            None => build(&display, &ModelSettings::default())?,
-        };
+        let plant = self.plant.unwrap_or(LOOSE_8MM);
+        let guard = Guard::new(self.limits, plant, display.wires())?;
         let even = || Calibration::even(display.wires().len());
+        let calibration = self.calibration.unwrap_or_else(even);
+        let (illusion, timing, render) = match self.published {
+            Some((law, timing)) => (law, timing, None),
+            None => {
+                let pattern = Pattern::on(plant.prescale, CADENCE)?;
+                let response = match (self.response, self.plant) {
+                    (Some(response), _) => response,
+                    (None, Some(_)) => Response::linear(guard.widest()),
+                    (None, None) => Response::loose_8mm(guard.widest()),
+                };
+                let settings = ModelSettings::default();
+                let render = RenderSettings {
+                    law: inverse(&display, &settings)?,
+                    style: self.style,
+                    pattern,
+                    full: response.full(),
+                    response,
+                    sharing: self.sharing,
+                    calibration: calibration.clone(),
+                };
+                (build(&display, &settings)?, pattern.timing(), Some(render))
+            }
+        };
         let settings = OutputSettings {
             timing,
             illusion,
             sharing: self.sharing,
-            calibration: self.calibration.unwrap_or_else(even),
+            calibration,
             strokes: self.strokes,
             drive: self.drive,
-            share: Share::width(self.plant.peak),
-            render: None,
+            share: Share::width(plant.peak),
+            render,
         };
         Ok((display, settings, guard))
     }
@@ -153,7 +190,7 @@ pub struct Builder {
 }
 
 impl Projector {
-    /// A loop from a skin to a display: whatever is not stated has a default. Where the output half shall not, its own
+    /// A loop from a skin to a display. Defaults are those of `hil run`. Where the output half is to differ, its own
     /// builder stands in the place of the display.
     pub fn builder(layout: Layout, output: impl Into<OutputBuilder>) -> Builder {
         Builder {

@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 
 use super::*;
-use crate::illusion::DisplayWire;
-use crate::units::{Board, Channel};
+use crate::illusion::{DisplayWire, TimingLaw};
+use crate::units::{Board, Channel, Ticks};
 
 fn display(wires: u8) -> Display {
     let wire = |n: u8| DisplayWire {
@@ -26,11 +26,37 @@ fn layout() -> Layout {
 #[test]
 fn nothing_has_to_be_stated() {
     let projector = Projector::builder(layout(), display(2)).build().unwrap();
-    assert_eq!(projector.timing().duration.as_micros(), 35_000);
-    assert_eq!(projector.timing().soa.as_micros(), 58_500);
+    assert_eq!(projector.timing().duration.as_micros(), 38_092);
+    assert_eq!(projector.timing().soa.as_micros(), 117_000);
+    // The width at which the default bench's wire is felt most, less the renderer's headroom.
+    assert_eq!(projector.width(1.0), Ticks::new(24));
     assert_eq!(projector.guard().limits(), &HARD);
     let edges = [-7.05, 7.05].map(|x| projector.map().apply(Point::new(x, 0.0)).x);
     assert!(edges[0].abs() < 1e-4 && (edges[1] - 10.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_plant_of_ones_own_is_linear_unless_its_response_is_stated() {
+    let plant = Plant::default();
+    let output = || Output::builder(display(2)).plant(plant);
+    let linear = output().build().unwrap();
+    let widest = linear.guard().widest();
+    let full = Response::linear(widest).full();
+    assert!((f32::from(linear.width(1.0).get()) - full).abs() <= 0.5);
+    // As many pulses of 5 ms as last 30 ms.
+    assert_eq!(linear.timing().duration.as_micros(), 33_013);
+    let stated = output().response(Response::between(&[(0, 0.0), (10, 1.0)]));
+    assert_eq!(stated.build().unwrap().width(1.0), Ticks::new(9));
+}
+
+#[test]
+fn a_published_law_has_no_renderer() {
+    let timing = TimingLaw::default().timing(None, None).unwrap();
+    let law = build(&display(2), &ModelSettings::default()).unwrap();
+    let published = Output::builder(display(2)).illusion(law, timing).build();
+    let published = published.unwrap();
+    assert!(published.renderer().is_none());
+    assert_eq!(published.timing(), timing);
 }
 
 #[test]
@@ -63,4 +89,11 @@ fn what_does_not_fit_is_refused() {
     };
     let absurd = Output::builder(display(2)).plant(plant).build();
     assert!(matches!(absurd, Err(PlanError::Plant(_))));
+    // Two pulses 42 ms apart are longer than any burst.
+    let plant = Plant {
+        prescale: Prescale::new(255),
+        ..Plant::default()
+    };
+    let slow = Output::builder(display(2)).plant(plant).build();
+    assert!(matches!(slow, Err(PlanError::Pattern(_))));
 }

@@ -1,39 +1,29 @@
 //! Contacts that another loop found: a robot's machine compresses its skin, and this one has only the display.
 
-use core::fmt;
-
 use super::{Observer, Projector};
 use crate::contact::{Contact, Levels};
 use crate::units::{Duration, Instant};
 
 /// Why contacts are none of this loop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ForeignContacts {
     /// More than compression can find here; how many that is.
+    #[error("expected at most {0} contacts")]
     TooMany(usize),
     /// Of a module that the layout lacks; how many it has.
+    #[error("expected a module below {0}")]
     NoSuchModule(usize),
     /// At a place, or of an intensity, that is no number; or of a negative intensity.
+    #[error("expected places and intensities that are numbers")]
     NoNumber,
     /// Of a level outside 1 to this.
+    #[error("expected a level from 1 to {0}")]
     Level(u16),
     /// Not newer than the newest ones.
+    #[error("expected contacts newer than the newest")]
     Old,
 }
-
-impl fmt::Display for ForeignContacts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooMany(most) => write!(f, "expected at most {most} contacts"),
-            Self::NoSuchModule(modules) => write!(f, "expected a module below {modules}"),
-            Self::NoNumber => f.write_str("expected places and intensities that are numbers"),
-            Self::Level(top) => write!(f, "expected a level from 1 to {top}"),
-            Self::Old => f.write_str("expected contacts newer than the newest"),
-        }
-    }
-}
-
-impl core::error::Error for ForeignContacts {}
 
 impl Projector {
     /// Takes the contacts of a frame of this skin that another loop compressed, in place of scans: all that there are as of

@@ -5,7 +5,6 @@ mod builder;
 mod gather;
 mod grid;
 mod held;
-mod outlet;
 mod output;
 mod plan_error;
 mod sensing;
@@ -13,6 +12,7 @@ mod stop;
 mod strokes;
 mod tap;
 mod texture;
+mod update;
 mod view;
 mod warm;
 mod weave;
@@ -27,11 +27,9 @@ pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
 
 use alloc::boxed::Box;
-use core::error::Error;
-use core::fmt;
 
 use crate::contact::{Contact, Levels, Scope, Settings, Work};
-use crate::driver::{Actuators, ObservedRegisters};
+use crate::driver::Actuators;
 pub use crate::guard::Cause;
 use crate::guard::Guard;
 use crate::illusion::{CalibrationError, Display, Tracks};
@@ -43,9 +41,9 @@ use crate::skin::{
 };
 use crate::units::{Board, Duration, Instant, Ticks};
 
-use outlet::{Guards, Observes, Outlet};
 use sensing::Sensing;
 use texture::Sampler;
+use update::Update;
 use weave::Texture;
 
 /// A frame that went through compression.
@@ -129,27 +127,18 @@ pub struct Plan {
 }
 
 /// An error of one of the two ends; the outputs have been switched off, as far as the driver let us.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LoopError<S, A> {
     /// The skin.
+    #[error("skin: {0}")]
     Sensor(S),
     /// The skin handed on a scan that is not of the loop's layout.
+    #[error("skin: {0}")]
     Scan(ScanError),
     /// The driver.
+    #[error("actuators: {0}")]
     Actuator(A),
 }
-
-impl<S: fmt::Display, A: fmt::Display> fmt::Display for LoopError<S, A> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Sensor(error) => write!(f, "skin: {error}"),
-            Self::Scan(error) => write!(f, "skin: {error}"),
-            Self::Actuator(error) => write!(f, "actuators: {error}"),
-        }
-    }
-}
-
-impl<S: Error, A: Error> Error for LoopError<S, A> {}
 
 /// The loop and all its memory.
 #[derive(Debug)]
@@ -209,41 +198,17 @@ impl Projector {
     }
 
     /// Does all that is due at `now`: takes every scan that has come, projects the newest contacts when an onset is
-    /// due, ends what has ended. Returns whether an onset was.
+    /// due, ends what has ended. Returns whether an onset was. The guard stops or only looks on as in [`Output::poll`].
     ///
     /// # Errors
     /// The first error of an end, after switching everything off.
-    pub fn poll<S: SkinSource, A: Actuators>(
+    pub fn poll<S: SkinSource + ?Sized, U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         skin: &mut S,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, LoopError<S::Error, A::Error>> {
-        self.call(now, skin, &mut Guards(actuators), observer)
-    }
-
-    /// As [`Self::poll`], but the guard only looks on, as in [`Output::observe`].
-    ///
-    /// # Errors
-    /// The first error of an end, after switching everything off.
-    pub fn observe<S: SkinSource, W: ObservedRegisters>(
-        &mut self,
-        now: Instant,
-        skin: &mut S,
-        registers: &mut W,
-        observer: &mut impl Observer,
-    ) -> Result<bool, LoopError<S::Error, W::Error>> {
-        self.call(now, skin, &mut Observes(registers), observer)
-    }
-
-    fn call<S: SkinSource, O: Outlet>(
-        &mut self,
-        now: Instant,
-        skin: &mut S,
-        outlet: &mut O,
-        observer: &mut impl Observer,
-    ) -> Result<bool, LoopError<S::Error, O::Error>> {
         let mut taken = Ok(());
         let read = skin.scans(now, &mut |scan| {
             if taken.is_ok() {
@@ -252,10 +217,10 @@ impl Projector {
         });
         let read = read.map_err(LoopError::Sensor);
         if let Err(error) = read.and(taken.map_err(LoopError::Scan)) {
-            let off = self.output.stop(now, Cause::SensorError, outlet, observer);
+            let off = self.all_off(now, Cause::SensorError, actuators, observer);
             return Err(off.map_or_else(LoopError::Actuator, |()| error));
         }
-        self.step(now, outlet, observer)
+        self.turn(now, actuators, observer)
             .map_err(LoopError::Actuator)
     }
 
@@ -275,21 +240,12 @@ impl Projector {
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.
-    pub fn turn<A: Actuators>(
+    pub fn turn<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
-        self.step(now, &mut Guards(actuators), observer)
-    }
-
-    fn step<O: Outlet>(
-        &mut self,
-        now: Instant,
-        outlet: &mut O,
-        observer: &mut impl Observer,
-    ) -> Result<bool, O::Error> {
         self.sensing.look_round(now, &self.layout, observer);
         if let Some(at) = self.sensing.last_received() {
             self.output.hear(at);
@@ -302,14 +258,14 @@ impl Projector {
         let texture = self.sensing.texture(now);
         let targets = &self.targets[..count];
         self.output
-            .turn(now, targets, texture.as_ref(), outlet, observer)
+            .poll(now, targets, texture.as_ref(), actuators, observer)
     }
 
     /// Everything off, now, and kept off until [`Self::reset`].
     ///
     /// # Errors
     /// The first board that did not answer.
-    pub fn all_off<A: Actuators>(
+    pub fn all_off<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         cause: Cause,
@@ -325,7 +281,7 @@ impl Projector {
     ///
     /// # Errors
     /// What is still wrong; everything stays off.
-    pub fn reset<A: Actuators>(
+    pub fn reset<A: Actuators + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,

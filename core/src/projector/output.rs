@@ -4,7 +4,7 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
-use crate::driver::{Actuators, ObservedRegisters};
+use crate::driver::Actuators;
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::render::{RenderSettings, Renderer};
@@ -12,9 +12,9 @@ use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Ticks};
 
-use super::outlet::{Guards, Observes, Outlet};
 use super::strokes::Strokes;
 use super::texture::Carrier;
+use super::update::Update;
 use super::weave::{Texture, Weave, gain};
 use super::{Cause, Observer};
 
@@ -81,7 +81,7 @@ pub struct OutputSettings {
 ///     output.poll(now, &[between], None, &mut board, &mut ()).unwrap();
 ///     now = output.next();
 /// }
-/// assert_eq!(board.0, 20); // ten onsets, ten ends
+/// assert_eq!(board.0, 10); // five onsets, five ends
 /// output.all_off(now, Cause::End, &mut board, &mut ()).unwrap();
 /// ```
 #[derive(Debug)]
@@ -192,7 +192,7 @@ impl Output {
     }
 
     /// Whether targets handed in now can be rendered: an onset is due, and they are not from a dead source.
-    pub fn takes_targets(&self, now: Instant) -> bool {
+    pub(super) fn takes_targets(&self, now: Instant) -> bool {
         self.is_due(now) && !self.guard.is_stale(now)
     }
 
@@ -211,11 +211,14 @@ impl Output {
     /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens. What a
     /// dead source wants is not projected.
     ///
+    /// Where emulated registers take [`Observed`](crate::guard::Observed), the guard only looks on: they get every
+    /// stimulus as it is, and the observer hears what the guard would have changed, refused or stopped.
+    ///
     /// Returns whether an onset was.
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.
-    pub fn poll<A: Actuators>(
+    pub fn poll<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         targets: &[Target],
@@ -223,42 +226,15 @@ impl Output {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
-        self.turn(now, targets, texture, &mut Guards(actuators), observer)
-    }
-
-    /// As [`Self::poll`], but the guard only looks on: emulated registers get every stimulus as it is, and what the
-    /// guard would have changed, refused or stopped is told to the observer.
-    ///
-    /// # Errors
-    /// The registers' first error, after switching everything off.
-    pub fn observe<W: ObservedRegisters>(
-        &mut self,
-        now: Instant,
-        targets: &[Target],
-        texture: Option<&Control>,
-        registers: &mut W,
-        observer: &mut impl Observer,
-    ) -> Result<bool, W::Error> {
-        self.turn(now, targets, texture, &mut Observes(registers), observer)
-    }
-
-    pub(super) fn turn<O: Outlet>(
-        &mut self,
-        now: Instant,
-        targets: &[Target],
-        texture: Option<&Control>,
-        outlet: &mut O,
-        observer: &mut impl Observer,
-    ) -> Result<bool, O::Error> {
         match self.guard.watch(now) {
-            Some(cause) if O::STOPS => self.stop(now, cause, outlet, observer)?,
+            Some(cause) if U::STOPS => self.all_off(now, cause, actuators, observer)?,
             Some(cause) => {
                 if self.guard.latched().is_none() {
                     observer.observed_stop(now, cause);
                 }
                 self.guard.latch(cause);
             }
-            None if !O::STOPS && self.guard.latched().is_some() => {
+            None if !U::STOPS && self.guard.latched().is_some() => {
                 // Nothing stopped: the guard looks on again once it would let a person start anew.
                 let _ = self.guard.reset(now);
             }
@@ -268,28 +244,28 @@ impl Output {
             true => (&[][..], None),
             false => (targets, texture),
         };
-        match self.project(now, targets, texture, outlet, observer) {
+        match self.project(now, targets, texture, actuators, observer) {
             Ok(onset) if self.guard.overran() => {
-                let stopped = self.stop(now, Cause::Overrun, outlet, observer);
+                let stopped = self.all_off(now, Cause::Overrun, actuators, observer);
                 stopped.map(|()| onset)
             }
             Err(error) => {
                 // The first error is the one to tell; what the way out adds cannot be told apart.
-                let _ = self.stop(now, Cause::ActuatorError, outlet, observer);
+                let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
                 Err(error)
             }
             projected => projected,
         }
     }
 
-    fn project<O: Outlet>(
+    fn project<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         targets: &[Target],
         texture: Option<&Control>,
-        outlet: &mut O,
+        actuators: &mut A,
         observer: &mut impl Observer,
-    ) -> Result<bool, O::Error> {
+    ) -> Result<bool, A::Error> {
         if self.is_due(now) && self.strokes.hold(self.next_onset) {
             self.advance_grid(now);
         }
@@ -302,20 +278,20 @@ impl Output {
                 *weave = None; // the widths are the stroke's now
             }
             self.activate(onset, &[target], Some(dab.duration));
-            self.render(onset, Some(onset + dab.duration), outlet, observer)?;
+            self.render(onset, Some(onset + dab.duration), actuators, observer)?;
             observer.onset(onset, &[target]);
             return Ok(true);
         }
         if self.texture.as_ref().is_some_and(Texture::is_alone) {
-            return self.run(now, texture, outlet, observer);
+            return self.run(now, texture, actuators, observer);
         }
         if !self.is_due(now) {
             if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
                 && let Some((at, until)) = weave.due(now)
             {
-                self.render(at, Some(until), outlet, observer)?;
+                self.render(at, Some(until), actuators, observer)?;
             } else {
-                self.expire(now, outlet)?;
+                self.expire(now, actuators)?;
             }
             return Ok(false);
         }
@@ -325,7 +301,7 @@ impl Output {
         let woven = texture.is_some() && matches!(self.texture, Some(Texture::Contacts(_)));
         self.activate(onset, targets, woven.then_some(self.timing.duration));
         let until = self.weave(onset, texture);
-        self.render(onset, until, outlet, observer)?;
+        self.render(onset, until, actuators, observer)?;
         observer.onset(onset, targets);
         Ok(true)
     }
@@ -343,13 +319,13 @@ impl Output {
     }
 
     /// A texture that has the display to itself: its next period, and an onset without a contact where one is due.
-    fn run<O: Outlet>(
+    fn run<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         texture: Option<&Control>,
-        outlet: &mut O,
+        actuators: &mut A,
         observer: &mut impl Observer,
-    ) -> Result<bool, O::Error> {
+    ) -> Result<bool, A::Error> {
         let onset = self.is_due(now).then(|| self.advance_grid(now));
         let mut due = None;
         if let Some(Texture::Train(train)) = &mut self.texture {
@@ -384,9 +360,9 @@ impl Output {
             }
         }
         if let Some((at, until)) = due {
-            self.render(at, Some(until), outlet, observer)?;
+            self.render(at, Some(until), actuators, observer)?;
         } else {
-            self.expire(now, outlet)?;
+            self.expire(now, actuators)?;
         }
         if let Some(onset) = onset {
             observer.onset(onset, &[]);
@@ -395,29 +371,49 @@ impl Output {
     }
 
     /// Switches off what has ended.
-    fn expire<O: Outlet>(&mut self, now: Instant, outlet: &mut O) -> Result<(), O::Error> {
+    fn expire<U: Update, A: Actuators<U> + ?Sized>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+    ) -> Result<(), A::Error> {
         if self.guard.next_expiry().is_some_and(|end| end <= now) {
             for board in 0..=self.boards {
-                outlet.expire(&mut self.guard, now, Board(board))?;
+                let update = U::end(&mut self.guard, now, Board(board));
+                self.apply(update, now, actuators)?;
             }
         }
         Ok(())
     }
 
     /// The wires' stimuli, from an onset to an end or to each wire's own, through the guard and out.
-    fn render<O: Outlet>(
+    fn render<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         onset: Instant,
         until: Option<Instant>,
-        outlet: &mut O,
+        actuators: &mut A,
         observer: &mut impl Observer,
-    ) -> Result<(), O::Error> {
+    ) -> Result<(), A::Error> {
         for board in 0..=self.boards {
             let count = self.collect(Board(board), onset, until);
             let (guard, stimuli) = (&mut self.guard, &self.stimuli[..count]);
-            outlet.send(guard, onset, Board(board), stimuli, |entry| {
+            let update = U::begin(guard, onset, Board(board), stimuli, |entry| {
                 observer.entry(&entry);
-            })?;
+            });
+            self.apply(update, onset, actuators)?;
+        }
+        Ok(())
+    }
+
+    /// Puts an update on the outputs, asked for at `at`.
+    fn apply<U: Update, A: Actuators<U> + ?Sized>(
+        &mut self,
+        update: Option<U>,
+        at: Instant,
+        actuators: &mut A,
+    ) -> Result<(), A::Error> {
+        if let Some(update) = update {
+            actuators.apply(&update)?;
+            update.confirm(&mut self.guard, actuators.confirmed(at));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use crate::driver::Actuators;
 use crate::units::{Board, Duration, Instant};
 
-use super::outlet::{Guards, Outlet};
+use super::update::Update;
 use super::{Cause, Observer, Output};
 
 impl Output {
@@ -12,7 +12,7 @@ impl Output {
     ///
     /// # Errors
     /// What is still wrong; everything stays off. [`Cause::Overrun`] says that this all-off came too late.
-    pub fn reset<A: Actuators>(
+    pub fn reset<A: Actuators + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,
@@ -32,29 +32,19 @@ impl Output {
     ///
     /// # Errors
     /// The first board that did not answer.
-    pub fn all_off<A: Actuators>(
+    pub fn all_off<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         cause: Cause,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
-        self.stop(now, cause, &mut Guards(actuators), observer)
-    }
-
-    pub(super) fn stop<O: Outlet>(
-        &mut self,
-        now: Instant,
-        cause: Cause,
-        outlet: &mut O,
-        observer: &mut impl Observer,
-    ) -> Result<(), O::Error> {
         self.guard.ask_off(now);
-        let off = outlet.all_off();
+        let off = actuators.all_off();
         self.guard.latch(cause);
         match off {
             Ok(()) => {
-                let at = outlet.confirmed(now);
+                let at = actuators.confirmed(now);
                 self.settle(at, observer);
                 self.off(at, cause, observer);
             }

@@ -4,22 +4,15 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::*;
-use crate::guard::Guarded;
-use crate::illusion::{Display, DisplayWire, Target};
+use crate::guard::{Guarded, Plant};
+use crate::illusion::{Display, DisplayWire, ModelSettings, Target, TimingLaw, build};
 use crate::schedule::{Entry, Reason};
 use crate::units::{Channel, Duration, Point};
 
 /// The call that failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 struct Failed(&'static str);
-
-impl core::fmt::Display for Failed {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(self.0)
-    }
-}
-
-impl core::error::Error for Failed {}
 
 /// Boards that answer late, or not; and how often they were asked.
 #[derive(Debug, Default)]
@@ -90,7 +83,10 @@ fn output() -> Output {
         channel: Channel(0),
     };
     let display = Display::new(&[wire(0), wire(1)]).unwrap();
-    Output::builder(display).build().unwrap()
+    let law = build(&display, &ModelSettings::default()).unwrap();
+    let timing = TimingLaw::default().timing(None, None).unwrap();
+    let builder = Output::builder(display).plant(Plant::default());
+    builder.illusion(law, timing).build().unwrap()
 }
 
 /// One that has driven both wires, on a board each, for 10 ms; they go on until 35 ms.

@@ -5,7 +5,6 @@
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
-use core::fmt;
 
 use crate::skin::{Baseline, Layout, Scan};
 use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
@@ -49,27 +48,19 @@ pub struct TexturePlan {
 }
 
 /// Why a texture does not fit its skin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TextureError {
     /// The stroked module does not exist; how many there are.
+    #[error("expected a stroked module below {0}")]
     NoSuchModule(usize),
     /// The network has so many features, the plan names another number.
+    #[error("expected a taxel and axis for each of {0} features")]
     Features(usize),
     /// This feature's taxel or axis does not exist.
+    #[error("feature {0}: expected a taxel and axis of the skin")]
     NoSuchTaxel(usize),
 }
-
-impl fmt::Display for TextureError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchModule(n) => write!(f, "expected a stroked module below {n}"),
-            Self::Features(n) => write!(f, "expected a taxel and axis for each of {n} features"),
-            Self::NoSuchTaxel(i) => write!(f, "feature {i}: expected a taxel and axis of the skin"),
-        }
-    }
-}
-
-impl core::error::Error for TextureError {}
 
 /// The newest texture, as observers see it.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,6 @@
 //! begins with the onset. A channel that goes off in the middle of period n has had n pulses, at any oscillator from 23 to
 //! 27.4 MHz and up to four pulses. Up to three it may go off at a quarter: at 23 MHz the third begins 2.17 periods in.
 
-use core::fmt;
-
 use crate::guard::BURST_GAP;
 use crate::illusion::LONGEST;
 use crate::schedule::Timing;
@@ -47,20 +45,9 @@ enum Off {
 }
 
 /// Bursts come too often for two pulses and the pause after which a burst is a new one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("more time between onsets: two pulses and a pause of {} ms must fit in", APART.as_micros() as f64 * 1e-3)]
 pub struct PatternError;
-
-impl fmt::Display for PatternError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let least = APART.as_micros() as f64 * 1e-3;
-        write!(
-            f,
-            "more time between onsets: two pulses and a pause of {least} ms must fit in"
-        )
-    }
-}
-
-impl core::error::Error for PatternError {}
 
 impl Pattern {
     /// The fewest pulses, at least `least`, that make a vibration where the display has the boards' spacing to itself.

@@ -7,6 +7,23 @@ use crate::units::Ticks;
 /// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
 const HEADROOM: f32 = 1.12;
 
+/// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
+/// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 29 ticks.
+///
+/// The emulators computed it for wires `loose-8mm` at 1.97 A, as they do for each run (`hil/run/src/plan/response.rs`). A
+/// test of `palpate-tests` computes it anew and compares to the bit.
+const LOOSE_8MM: [(u16, f32); 9] = [
+    (0, 0.0),
+    (5, 0.009_411_921),
+    (9, 0.033_772_98),
+    (13, 0.067_365_06),
+    (17, 0.086_258_166),
+    (21, 0.121_669_725),
+    (25, 0.167_524_77),
+    (29, 0.170_522_97),
+    (49, 0.170_522_97),
+];
+
 /// Amplitudes by width of a pulse, any unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
@@ -28,6 +45,24 @@ impl Response {
             *amplitude = most;
         }
         Self { amplitudes }
+    }
+
+    /// Draws straight lines between amplitudes at ascending widths, the first of which is 0.
+    pub fn between(known: &[(u16, f32)]) -> Self {
+        let amplitudes = known.windows(2).flat_map(|pair| {
+            let [(from, low), (to, high)] = [pair[0], pair[1]];
+            (from..to).map(move |w| low + (high - low) * f32::from(w - from) / f32::from(to - from))
+        });
+        let last = known.last().map(|(_, amplitude)| *amplitude);
+        Self::new(amplitudes.chain(last).collect())
+    }
+
+    /// The response of a loose wire of 8 mm at 1.97 A to three pulses every 117 ms, in ticks of PRE_SCALE 92: `hil run`
+    /// emulates such wires by default.
+    pub fn loose_8mm(widest: Ticks) -> Self {
+        let whole = Self::between(&LOOSE_8MM).amplitudes;
+        let widths = usize::from(widest.get()) + 1;
+        Self::new(whole.iter().take(widths).copied().collect())
     }
 
     /// The largest amplitude.

@@ -8,6 +8,9 @@ pub use stagger::stagger;
 
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
+/// Most stimuli in a command to a driver unit: eight wires on each of sixteen boards.
+pub const MOST_PLANNED: usize = 128;
+
 /// What the illusion asks of one wire: a pulse train of a width and a peak current for a while.
 ///
 /// Duty and current stand apart: an amplifier may have a current of its own, or one that is set.
@@ -25,8 +28,9 @@ pub struct Stimulus {
     pub until: Instant,
 }
 
-/// Why what was applied differs from what was requested. The list is closed.
+/// Why what was applied differs from what was requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Reason {
     /// The pulse would have been longer than the limit.
     PulseWidth,

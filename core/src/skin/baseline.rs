@@ -7,7 +7,6 @@
 //! follows slow drift, and a module that starts over after its board was changed.
 
 use alloc::vec::Vec;
-use core::fmt;
 
 use super::layout::Layout;
 use super::reference::Reference;
@@ -71,30 +70,22 @@ impl Default for BaselineSettings {
 }
 
 /// Why settings are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BaselineError {
     /// T = 0.
+    #[error("the reference needs at least one frame")]
     NoReference,
     /// A number of deviations that is not positive and finite.
+    #[error("the number of standard deviations must be positive and finite")]
     BadSigmas,
     /// A margin, threshold or number of deviations that is NaN, infinite or negative.
+    #[error("threshold and margin must be finite and not negative")]
     BadThreshold,
     /// A time constant of zero.
+    #[error("the time constant of drift must be longer than 0")]
     BadDrift,
 }
-
-impl fmt::Display for BaselineError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoReference => "the reference needs at least one frame",
-            Self::BadSigmas => "the number of standard deviations must be positive and finite",
-            Self::BadThreshold => "threshold and margin must be finite and not negative",
-            Self::BadDrift => "the time constant of drift must be longer than 0",
-        })
-    }
-}
-
-impl core::error::Error for BaselineError {}
 
 /// Where the baseline stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -376,6 +367,7 @@ impl Baseline {
     }
 
     /// Whether a module is starting over.
+    #[cfg(target_has_atomic = "ptr")]
     pub(crate) const fn is_restarting(&self) -> bool {
         self.restarting
     }

@@ -11,6 +11,7 @@ pub use super::layout_error::LayoutError;
 use super::layout_error::{MOST_MODULES, MOST_TAXELS};
 use crate::codec::mtb;
 use crate::codec::uskin::Wiring;
+use crate::statistics::quantile;
 use crate::units::Point;
 
 /// A regular grid: index = row * cols + col, row 0 on top, centred on the module's origin.
@@ -77,7 +78,7 @@ impl Module {
     }
 
     /// As [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
-    pub fn grid_xy(
+    pub(crate) fn grid_xy(
         name: &str,
         rows: u16,
         cols: u16,
@@ -203,7 +204,7 @@ impl Module {
         self.axes
     }
     /// The grid, or `None` for scattered points.
-    pub fn as_grid(&self) -> Option<&Grid> {
+    pub(crate) fn as_grid(&self) -> Option<&Grid> {
         self.grid.as_ref()
     }
     /// The module's centre in the skin's plane, mm.
@@ -224,7 +225,7 @@ impl Module {
     }
 
     /// A taxel's place in the order in which its board sends a scan; `None` where no board can send it.
-    pub fn sent_as(&self, taxel: usize) -> Option<usize> {
+    pub(super) fn sent_as(&self, taxel: usize) -> Option<usize> {
         match self.protocol {
             Protocol::Uskin => {
                 let wiring = self.wiring()?;
@@ -390,7 +391,7 @@ fn spacing(points: &[Point]) -> Result<f32, LayoutError> {
         .filter(|d| d.is_finite() && *d > 0.0)
         .collect();
     nearest.sort_unstable_by(f32::total_cmp);
-    Ok(nearest.get(nearest.len() / 2).copied().unwrap_or(1.0))
+    Ok(quantile(&nearest, 0.5).map_or(1.0, |middle| middle.above))
 }
 
 #[cfg(test)]

@@ -1,35 +1,41 @@
 //! Why a layout is refused: the messages say what was expected.
 
-use core::fmt;
-
 pub(super) const MOST_TAXELS: usize = 1 << 22;
 pub(super) const MOST_MODULES: usize = 4096;
 
 /// Why a layout is refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LayoutError {
     /// A layout without modules.
+    #[error("a layout needs at least one module")]
     NoModules,
     /// More than 4096 modules.
+    #[error("{count} modules, at most {MOST_MODULES}")]
     TooManyModules {
         /// How many there were.
         count: usize,
     },
     /// A module without taxels.
+    #[error("a module needs at least one taxel")]
     NoTaxels,
     /// More than 2^22 taxels.
+    #[error("{count} taxels, at most {MOST_TAXELS}")]
     TooManyTaxels {
         /// How many there were.
         count: usize,
     },
     /// No taxel of any module is active.
+    #[error("no taxel of any module is active")]
     NothingActive,
     /// A coordinate is NaN, infinite or further out than 10^6 mm.
+    #[error("taxel {taxel}: coordinates must be finite and within 10^6 mm")]
     NotFinite {
         /// The taxel.
         taxel: usize,
     },
     /// Two taxels at one place.
+    #[error("taxels {first} and {second} are at the same place")]
     Duplicate {
         /// The lower index.
         first: usize,
@@ -37,23 +43,28 @@ pub enum LayoutError {
         second: usize,
     },
     /// A pitch that is not a positive number of millimetres.
+    #[error("pitch {pitch} mm: expected a positive number")]
     BadPitch {
         /// The pitch, mm.
         pitch: f32,
     },
     /// Neither one nor three axes.
+    #[error("{axes} axes: expected 1 or 3")]
     BadAxes {
         /// The number of axes.
         axes: u8,
     },
     /// A module's origin is NaN, infinite or further out than 10^6 mm.
+    #[error("the origin must be finite and within 10^6 mm")]
     BadOrigin,
     /// A board number over 15.
+    #[error("board {board}: expected 0 to 15")]
     BadBoard {
         /// The board.
         board: u8,
     },
     /// The list of active taxels has another length than the module.
+    #[error("{got} active flags for {expected} taxels")]
     MaskLength {
         /// Its length.
         got: usize,
@@ -61,6 +72,7 @@ pub enum LayoutError {
         expected: usize,
     },
     /// Two modules with one name.
+    #[error("modules {first} and {second} have the same name")]
     SameName {
         /// The first module.
         first: usize,
@@ -68,6 +80,7 @@ pub enum LayoutError {
         second: usize,
     },
     /// Two modules on one board of one bus.
+    #[error("modules {first} and {second} are the same board of one bus")]
     SameAddress {
         /// The first module.
         first: usize,
@@ -75,42 +88,3 @@ pub enum LayoutError {
         second: usize,
     },
 }
-
-impl fmt::Display for LayoutError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoModules => write!(f, "a layout needs at least one module"),
-            Self::TooManyModules { count } => write!(f, "{count} modules, at most {MOST_MODULES}"),
-            Self::NoTaxels => write!(f, "a module needs at least one taxel"),
-            Self::TooManyTaxels { count } => write!(f, "{count} taxels, at most {MOST_TAXELS}"),
-            Self::NothingActive => write!(f, "no taxel of any module is active"),
-            Self::NotFinite { taxel } => {
-                write!(
-                    f,
-                    "taxel {taxel}: coordinates must be finite and within 10^6 mm"
-                )
-            }
-            Self::Duplicate { first, second } => {
-                write!(f, "taxels {first} and {second} are at the same place")
-            }
-            Self::BadPitch { pitch } => write!(f, "pitch {pitch} mm: expected a positive number"),
-            Self::BadAxes { axes } => write!(f, "{axes} axes: expected 1 or 3"),
-            Self::BadOrigin => write!(f, "the origin must be finite and within 10^6 mm"),
-            Self::BadBoard { board } => write!(f, "board {board}: expected 0 to 15"),
-            Self::MaskLength { got, expected } => {
-                write!(f, "{got} active flags for {expected} taxels")
-            }
-            Self::SameName { first, second } => {
-                write!(f, "modules {first} and {second} have the same name")
-            }
-            Self::SameAddress { first, second } => {
-                write!(
-                    f,
-                    "modules {first} and {second} are the same board of one bus"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for LayoutError {}

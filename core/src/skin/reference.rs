@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 
 use super::relative::RelativeFrame;
 use super::scan::Scan;
+use crate::statistics::quantile;
 use crate::vector::Vectors;
 
 /// A taxel noisier than this many times the median was touched or is ill; it counts as this noisy.
@@ -103,7 +104,7 @@ impl Reference {
         };
         let mut sorted: Vec<f32> = self.steps.iter().filter_map(own).collect();
         sorted.sort_unstable_by(f32::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let median = quantile(&sorted, 0.5).map_or(0.0, |middle| middle.above);
         let robust = |s| own(s).unwrap_or(median).min(NOISIEST * median);
         self.steps.iter().map(robust).collect()
     }

@@ -4,7 +4,6 @@
 
 use alloc::vec::Vec;
 use core::array::from_fn;
-use core::fmt;
 use core::iter::repeat;
 use core::ops::Range;
 
@@ -38,9 +37,11 @@ impl Axes {
 }
 
 /// Why a relative frame is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrameError {
     /// A value is NaN, infinite, or beyond 10^9 counts.
+    #[error("taxel {taxel}, axis {}: expected a finite number of counts", ['x', 'y', 'z'].get(*.axis).unwrap_or(&'?'))]
     NotFinite {
         /// Taxel, running index.
         taxel: usize,
@@ -48,8 +49,10 @@ pub enum FrameError {
         axis: usize,
     },
     /// A threshold that is NaN, infinite or negative.
+    #[error("the threshold must be finite and not negative")]
     BadThreshold,
     /// Another number of taxels than the layout, or another layout.
+    #[error("a frame of {got} taxels for a layout of {expected}")]
     OtherLayout {
         /// Taxels given.
         got: usize,
@@ -57,26 +60,6 @@ pub enum FrameError {
         expected: usize,
     },
 }
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotFinite { taxel, axis } => {
-                let axis = ['x', 'y', 'z'].get(*axis).copied().unwrap_or('?');
-                write!(
-                    f,
-                    "taxel {taxel}, axis {axis}: expected a finite number of counts"
-                )
-            }
-            Self::BadThreshold => write!(f, "the threshold must be finite and not negative"),
-            Self::OtherLayout { got, expected } => {
-                write!(f, "a frame of {got} taxels for a layout of {expected}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 /// Largest value of an axis, counts: its square stays finite in f32.
 const LARGEST: f32 = 1e9;
@@ -212,7 +195,7 @@ impl RelativeFrame {
     }
 
     /// Leaves a taxel out of contacts and interpolation, or takes it in again; holds from the next frame on.
-    pub fn set_usable(&mut self, index: usize, usable: bool) {
+    pub(crate) fn set_usable(&mut self, index: usize, usable: bool) {
         if let Some(u) = self.usable.get_mut(index)
             && *u != usable
         {
@@ -243,7 +226,7 @@ impl RelativeFrame {
         &self.contacts
     }
     /// One module's taxels in contact, ascending.
-    pub fn contacts_of(&self, module: usize) -> &[u32] {
+    pub(crate) fn contacts_of(&self, module: usize) -> &[u32] {
         match (
             self.contact_starts.get(module),
             self.contact_starts.get(module + 1),

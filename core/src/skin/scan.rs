@@ -1,28 +1,20 @@
 //! The newest readings of the whole skin, merged from scans of its modules.
 
 use alloc::vec::Vec;
-use core::fmt;
 
 use super::layout::Layout;
 use super::source::{ModuleScan, ScanError};
 use crate::units::Instant;
 
 /// A row with another number of taxels than the layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{got} taxels, the layout has {expected}")]
 pub struct WrongLength {
     /// Taxels in the row.
     pub got: usize,
     /// Taxels in the layout.
     pub expected: usize,
 }
-
-impl fmt::Display for WrongLength {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} taxels, the layout has {}", self.got, self.expected)
-    }
-}
-
-impl core::error::Error for WrongLength {}
 
 /// The newest scan of every module, taxels in the layout's running index.
 #[derive(Clone, Debug)]

@@ -4,7 +4,6 @@
 //! boards that wait for a command) stays behind the door, as in [`super::uskin`].
 
 use core::convert::Infallible;
-use core::fmt;
 
 use crate::units::Instant;
 
@@ -45,7 +44,7 @@ pub trait SkinSource {
     fn scans(
         &mut self,
         now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
+        take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), Self::Error>;
 }
 
@@ -56,16 +55,18 @@ impl SkinSource for () {
     fn scans(
         &mut self,
         _now: Instant,
-        _take: &mut impl FnMut(&ModuleScan<'_>),
+        _take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), Infallible> {
         Ok(())
     }
 }
 
 /// A scan that is not of this layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScanError {
     /// The layout has fewer modules.
+    #[error("expected a module below {modules}, found {module}")]
     NoSuchModule {
         /// The scan's module, zero-based.
         module: u16,
@@ -73,6 +74,7 @@ pub enum ScanError {
         modules: usize,
     },
     /// The module has another number of taxels.
+    #[error("module {module}: expected {expected} taxels, found {got}")]
     Taxels {
         /// The scan's module, zero-based.
         module: u16,
@@ -82,23 +84,3 @@ pub enum ScanError {
         expected: usize,
     },
 }
-
-impl fmt::Display for ScanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchModule { module, modules } => {
-                write!(f, "expected a module below {modules}, found {module}")
-            }
-            Self::Taxels {
-                module,
-                got,
-                expected,
-            } => write!(
-                f,
-                "module {module}: expected {expected} taxels, found {got}"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for ScanError {}

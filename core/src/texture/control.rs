@@ -1,7 +1,5 @@
 //! From a latent coordinate to what drives the wires, (3.2), in integers: nothing of the network's last digits is left.
 
-use core::fmt;
-
 use crate::units::Duration;
 
 /// A latent coordinate that stands for a property of surfaces, as training found it.
@@ -90,27 +88,19 @@ pub struct ControlMap {
 }
 
 /// Why a map is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ControlError {
     /// The driving coordinate's range is empty, or not finite.
+    #[error("a finite z_lo below z_hi")]
     Latent,
     /// A spread of zero.
+    #[error("a spread above 0")]
     Sigma,
     /// A rate of zero.
+    #[error("a rate above 0 Hz")]
     Rate,
 }
-
-impl fmt::Display for ControlError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Latent => "a finite z_lo below z_hi",
-            Self::Sigma => "a spread above 0",
-            Self::Rate => "a rate above 0 Hz",
-        })
-    }
-}
-
-impl core::error::Error for ControlError {}
 
 impl ControlMap {
     /// A map over the drivers' ranges: sigma and the rate go with roughness, delta mu with friction.

@@ -57,9 +57,11 @@ impl fmt::Display for TensorPlace {
 }
 
 /// A model that is refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ModelError {
     /// A tensor has another length than the shapes ask for.
+    #[error("{place}: expected {expected} numbers, found {found}")]
     Length {
         /// Which.
         place: TensorPlace,
@@ -69,6 +71,7 @@ pub enum ModelError {
         found: usize,
     },
     /// A count is zero or too large.
+    #[error("{what}: expected 1 to {most}, found {found}")]
     Count {
         /// What is counted.
         what: &'static str,
@@ -78,6 +81,7 @@ pub enum ModelError {
         found: usize,
     },
     /// A layer does not take what the one before gives.
+    #[error("encoder.{layer}: expected {expected} inputs, as many as come in, found {found}")]
     Inputs {
         /// The layer.
         layer: usize,
@@ -87,6 +91,9 @@ pub enum ModelError {
         found: usize,
     },
     /// A number that is not finite or larger than a million.
+    #[error(
+        "{place}[{index}]: expected a finite number of at most {LARGEST:e} in magnitude, found {found}"
+    )]
     Value {
         /// Which tensor.
         place: TensorPlace,
@@ -96,52 +103,19 @@ pub enum ModelError {
         found: f32,
     },
     /// A feature's largest value is below its smallest.
+    #[error("scale.max[{feature}]: expected at least scale.min")]
     Range {
         /// The feature.
         feature: usize,
     },
 }
 
-impl fmt::Display for ModelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length {
-                place,
-                expected,
-                found,
-            } => write!(f, "{place}: expected {expected} numbers, found {found}"),
-            Self::Count { what, most, found } => {
-                write!(f, "{what}: expected 1 to {most}, found {found}")
-            }
-            Self::Inputs {
-                layer,
-                expected,
-                found,
-            } => write!(
-                f,
-                "encoder.{layer}: expected {expected} inputs, as many as come in, found {found}"
-            ),
-            Self::Value {
-                place,
-                index,
-                found,
-            } => write!(
-                f,
-                "{place}[{index}]: expected a finite number of at most {LARGEST:e} in magnitude, found {found}"
-            ),
-            Self::Range { feature } => {
-                write!(f, "scale.max[{feature}]: expected at least scale.min")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ModelError {}
-
 /// A sample that is refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SampleError {
     /// The number of values is not that of modules times features.
+    #[error("expected {expected} values, found {found}")]
     Length {
         /// Values expected.
         expected: usize,
@@ -149,6 +123,9 @@ pub enum SampleError {
         found: usize,
     },
     /// A value that is not finite, or a million times its training range away.
+    #[error(
+        "value {index} (feature {feature}): expected a finite number near the training range, found {found}"
+    )]
     Value {
         /// Which value of the samples given, counted through: sample times features plus feature.
         index: usize,
@@ -158,26 +135,6 @@ pub enum SampleError {
         found: f32,
     },
 }
-
-impl fmt::Display for SampleError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { expected, found } => {
-                write!(f, "expected {expected} values, found {found}")
-            }
-            Self::Value {
-                index,
-                feature,
-                found,
-            } => write!(
-                f,
-                "value {index} (feature {feature}): expected a finite number near the training range, found {found}"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SampleError {}
 
 impl Model<'_> {
     /// What each feature's distance from its smallest value is multiplied by: one over its range, 0 without a range.

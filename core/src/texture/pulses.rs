@@ -6,7 +6,6 @@
 
 use alloc::boxed::Box;
 use alloc::format;
-use core::fmt;
 
 use crate::random::RandomStream;
 use crate::units::{Duration, Instant, Point, Prescale};
@@ -36,24 +35,16 @@ pub struct Activation {
 }
 
 /// Why constants are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ActivationError {
     /// alpha and beta are not probabilities with a sum below 1.
+    #[error("alpha and beta from 0 on, with a sum below 1")]
     Sum,
     /// The interval is zero.
+    #[error("an interval above 0")]
     Interval,
 }
-
-impl fmt::Display for ActivationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Sum => "alpha and beta from 0 on, with a sum below 1",
-            Self::Interval => "an interval above 0",
-        })
-    }
-}
-
-impl core::error::Error for ActivationError {}
 
 impl Activation {
     /// Offset alpha, gain beta, the mean mu of the first wire, and the interval T.

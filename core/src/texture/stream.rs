@@ -96,11 +96,6 @@ impl Stream {
         self.seen
     }
 
-    /// Windows being stepped.
-    pub const fn in_flight(&self) -> usize {
-        self.slots.len()
-    }
-
     /// Takes a sample of every module, `[module][feature]`, raw counts. With `begin` a window starts with it. Returns
     /// the latent vectors `[module][latent]` of the window that ended with it, if one did.
     ///

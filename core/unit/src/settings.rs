@@ -1,7 +1,5 @@
 //! What is burnt into a unit, and what cannot be.
 
-use core::fmt;
-
 use palpate_core::codec::dac7578::CHANNELS;
 use palpate_core::guard::{CurrentControl, Limits, Plant, PlantError};
 use palpate_core::illusion::DisplayWire;
@@ -38,43 +36,27 @@ pub struct Settings<'a> {
 }
 
 /// Why a unit cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The guard's.
+    #[error(transparent)]
     Plant(PlantError),
     /// No board, or more than sixteen.
+    #[error("boards: expected 1 to 16 addresses, found {0}")]
     Boards(usize),
     /// Two boards at one address.
+    #[error(
+        "boards: expected an address of its own for each chip, found {0:#04x} twice: set the straps of one board otherwise"
+    )]
     SameAddress(u8),
     /// Another number of converters than of boards.
+    #[error("converters: expected one address per board, found {0}")]
     Converters(usize),
     /// A wire on a board or channel that is not there.
+    #[error("wires: expected a channel 0 to 15 of a board of this unit, 0 to 7 beside a converter, found channel {} of board {}", .1.0, .0.0)]
     NoSuchOutput(Board, Channel),
 }
-
-impl fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Plant(e) => e.fmt(f),
-            Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
-            Self::SameAddress(address) => write!(
-                f,
-                "boards: expected an address of its own for each chip, found {address:#04x} twice: set the straps of one board otherwise"
-            ),
-            Self::Converters(found) => write!(
-                f,
-                "converters: expected one address per board, found {found}"
-            ),
-            Self::NoSuchOutput(board, channel) => write!(
-                f,
-                "wires: expected a channel 0 to 15 of a board of this unit, 0 to 7 beside a converter, found channel {} of board {}",
-                channel.0, board.0
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SettingsError {}
 
 impl Settings<'_> {
     pub(crate) fn check(&self) -> Result<(), SettingsError> {

@@ -3,7 +3,7 @@
 use embedded_hal::i2c::{Error as _, I2c};
 use palpate_core::codec::dac7578;
 use palpate_core::codec::pca9685::{self as regs, CHANNELS, FULL};
-use palpate_core::driver::{DriverError, ObservedRegisters, Traffic};
+use palpate_core::driver::{Actuators, DriverError, Traffic};
 use palpate_core::guard::{Observed, Setting};
 use palpate_core::units::{Board, Milliamps};
 
@@ -90,12 +90,12 @@ impl RegisterWriter {
     }
 }
 
-impl ObservedRegisters for RegisterWriter {
+impl Actuators<Observed> for RegisterWriter {
     type Error = DriverError;
 
     /// One write of all channels up to the last wire's, ended by one STOP. On boards that others drive too one write for
     /// each channel.
-    fn write(&mut self, update: &Observed) -> Result<(), DriverError> {
+    fn apply(&mut self, update: &Observed) -> Result<(), DriverError> {
         self.set_currents(update)?;
         if self.own.is_some() {
             for (channel, setting) in (0..CHANNELS).zip(update.channels()) {

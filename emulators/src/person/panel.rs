@@ -13,6 +13,7 @@
 //!   between them and largest for friction, as the thesis reports.
 
 use palpate_core::random::RandomStream;
+use palpate_core::statistics::mean;
 
 use crate::person::channels::Kick;
 use crate::sensor::surface::{self, SurfaceTexture};
@@ -182,11 +183,10 @@ const APART_S: f64 = 0.1;
 pub fn apart_s(wires: &[Vec<Kick>]) -> Option<f64> {
     let gaps = wires.iter().flat_map(|kicks| kicks.windows(2));
     let gaps = gaps.map(|two| two[1].at_s - two[0].at_s);
-    let logs: Vec<f64> = gaps
+    let logs = gaps
         .filter(|gap| *gap > 0.0 && *gap < APART_S)
-        .map(libm::log)
-        .collect();
-    (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
+        .map(libm::log);
+    mean(logs).map(libm::exp)
 }
 
 /// Spacing of the envelopes that motion is read from, s.
@@ -209,7 +209,7 @@ pub fn step_s(positions: &[Vec<Kick>], seconds: f64) -> Option<f64> {
             kicks.iter().map(each).sum::<f64>()
         };
         let mut all: Vec<f64> = (0..count).map(value).collect();
-        let mean = all.iter().sum::<f64>() / count.max(1) as f64;
+        let mean = mean(all.iter().copied()).unwrap_or(0.0);
         all.iter_mut().for_each(|v| *v -= mean);
         all
     };

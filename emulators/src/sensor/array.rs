@@ -120,7 +120,7 @@ impl SkinSource for SkinArray {
     fn scans(
         &mut self,
         now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
+        take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), Infallible> {
         while let Some(scan) = self.way.pop_front_if(|scan| scan.arrives <= now.into()) {
             let at = Instant::from_micros(scan.arrives.as_micros());

@@ -1,7 +1,7 @@
 //! A sensor board: reads the taxels of its modules on its own clock and sends them, one frame per taxel as uSkin boards
 //! do, or two per triangle as the iCub's.
 //!
-//! Bus face: data frames out, start and stop commands in. Physical face: [`SensorBoard::module_mut`].
+//! Bus face: data frames out, start and stop commands in. Physical face: its modules, which are touched before it has them.
 
 use palpate_core::codec::can::CanFrame;
 use palpate_core::codec::mtb;
@@ -73,27 +73,18 @@ impl BoardConfig {
 }
 
 /// Why a board cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoardError {
     /// The address or a place of the wiring does not fit its field of an identifier.
+    #[error("board address does not fit its identifiers")]
     Address,
     /// The number of modules, or of taxels in one, is not what the wiring says.
+    #[error("modules and taxels do not match the board's wiring")]
     Wiring,
     /// The scan rate is not a positive number.
+    #[error("scan rate must be positive")]
     Rate,
 }
-
-impl std::fmt::Display for BoardError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Address => "board address does not fit its identifiers",
-            Self::Wiring => "modules and taxels do not match the board's wiring",
-            Self::Rate => "scan rate must be positive",
-        })
-    }
-}
-
-impl std::error::Error for BoardError {}
 
 /// A frame of a scan: module, first taxel in it, chip group, identifier.
 type Slot = (usize, usize, u64, u16);
@@ -241,11 +232,6 @@ impl SensorBoard {
     /// Its modules.
     pub fn modules(&self) -> &[EmulatedModule] {
         &self.modules
-    }
-
-    /// One of its modules, to touch it.
-    pub fn module_mut(&mut self, module: usize) -> Option<&mut EmulatedModule> {
-        self.modules.get_mut(module)
     }
 
     /// Whether it sends.

@@ -71,8 +71,7 @@ struct Taxel {
     neighbours: Vec<usize>,
 }
 
-/// A module of skin. Its physical face: [`EmulatedModule::touch`] presses on it, [`EmulatedModule::true_counts`]
-/// says what the silicone does without noise.
+/// A module of skin. Its physical face: [`EmulatedModule::touch`] presses on it.
 pub struct EmulatedModule {
     config: ModuleConfig,
     taxels: Vec<Taxel>,
@@ -118,11 +117,6 @@ impl EmulatedModule {
     /// How the module was built.
     pub const fn config(&self) -> &ModuleConfig {
         &self.config
-    }
-
-    /// Counts (x, y, z) above rest at the last sample, without noise, drift and quantisation.
-    pub fn true_counts(&self) -> &[[f64; 3]] {
-        &self.response
     }
 
     /// Rest counts (x, y, z) of a taxel without drift.

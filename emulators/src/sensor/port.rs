@@ -29,7 +29,7 @@ const PATIENCE: Nanos = Nanos::from_micros(1_000_000);
 ///
 /// let start = CanFrame::new(0x200, &[7, 0]).ok_or("too long")?; // board 0 begins to send its taxels
 /// port.transmit(&start)?;
-/// let frame = port.receive()?; // 10 ms later
+/// let frame = port.receive()?; // 0.2 ms later
 /// assert_eq!(Frame::id(&frame), Id::Standard(StandardId::ZERO)); // taxel 0 of board 0
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

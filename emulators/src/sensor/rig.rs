@@ -74,11 +74,6 @@ impl SkinBus {
         &self.boards
     }
 
-    /// A board, to touch its skin.
-    pub fn board_mut(&mut self, n: usize) -> Option<&mut SensorBoard> {
-        self.boards.get_mut(n)
-    }
-
     /// Does something to a board at the present moment: power, clock, number.
     pub fn disturb(&mut self, n: usize, work: impl FnOnce(&mut SensorBoard, &mut CanSegment)) {
         if let Some(board) = self.boards.get_mut(n) {
@@ -124,30 +119,21 @@ impl SkinBus {
 }
 
 /// What the host's interface can say, in embedded-can's terms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HostError {
     /// The transmit queue is full (`ENOBUFS`): try again later.
+    #[error("transmit queue full, try again later")]
     QueueFull,
     /// The controller is bus-off: it needs a restart.
+    #[error("controller is bus-off, restart it")]
     BusOff,
     /// The bench has no such bus.
+    #[error("no such sensor bus")]
     NoBus,
     /// What a port waited for did not come.
+    #[error("nothing came in the time that the port waits")]
     TimedOut,
 }
-
-impl std::fmt::Display for HostError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::QueueFull => "transmit queue full, try again later",
-            Self::BusOff => "controller is bus-off, restart it",
-            Self::NoBus => "no such sensor bus",
-            Self::TimedOut => "nothing came in the time that the port waits",
-        })
-    }
-}
-
-impl std::error::Error for HostError {}
 
 impl CanError for HostError {
     fn kind(&self) -> ErrorKind {

@@ -75,11 +75,13 @@ pub const UNSEEN: Duration = Duration::from_millis(100);
 pub const ASLEEP: Duration = Duration::from_millis(20);
 
 /// Time in which a loop did not get to act.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unseen {
     /// The clock went on meanwhile: a debugger, a frozen container, too much load.
+    #[error("unseen time: this computer let this program stand still for {} ms, and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Stood(Duration),
     /// The machine slept, and its clock stood still.
+    #[error("unseen time: this computer was suspended for {} ms, and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Slept(Duration),
 }
 
@@ -90,20 +92,6 @@ impl Unseen {
             Self::Stood(_) => Duration::ZERO,
             Self::Slept(span) => span,
         }
-    }
-}
-
-impl std::fmt::Display for Unseen {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (what, span) = match self {
-            Self::Stood(span) => ("let this program stand still", span),
-            Self::Slept(span) => ("was suspended", span),
-        };
-        write!(
-            out,
-            "unseen time: this computer {what} for {} ms, and outputs may have been on meanwhile",
-            span.as_micros() / 1000
-        )
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nix::errno::Errno;
 use palpate_core::units::{Duration, Instant};
+use serde::Serialize;
 use socketcan::nl::CanState;
 use socketcan::{CanInterface, CanSocket, Socket};
 
@@ -21,13 +22,14 @@ use crate::sys::{lock_memory_limit, set_fifo_priority};
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(1);
 
 /// One thing that was looked at.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// What it is about, in a word or two.
     pub about: &'static str,
     /// Whether it is as a real bench wants it.
     pub ok: bool,
     /// Whether a real bench cannot do without.
+    #[serde(skip)]
     pub needed: bool,
     /// What was seen.
     pub says: String,

@@ -6,6 +6,7 @@ use palpate_core::units::Duration;
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 /// A control parameter at both ends of roughness.
@@ -82,29 +83,27 @@ impl ActivationFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
-        source.range("alpha", file.alpha, 0.0..=1.0, "")?;
-        source.range("beta", file.beta, 0.0..=1.0, "")?;
-        source.range("interval_ms", file.interval_ms, 1.0..=1e5, "ms")?;
-        source.range("lead_ms", file.lead_ms, 0.0..=1e5, "ms")?;
-        for (key, both, range, unit) in [
-            ("delta_mu_ms", file.delta_mu_ms, 0.0..=1e4, "ms"),
-            ("sigma_ms", file.sigma_ms, 0.1..=1e4, "ms"),
-            ("rate_hz", file.rate_hz, 0.1..=1500.0, "Hz"),
+        bounds!(source, "", file;
+            alpha: 0.0..=1.0;
+            beta: 0.0..=1.0;
+            interval_ms: 1.0..=1e5, "ms";
+            lead_ms: 0.0..=1e5, "ms";
+            delta_mu_ms.smooth: 0.0..=1e4, "ms";
+            delta_mu_ms.rough: 0.0..=1e4, "ms";
+            sigma_ms.smooth: 0.1..=1e4, "ms";
+            sigma_ms.rough: 0.1..=1e4, "ms";
+            rate_hz.smooth: 0.1..=1500.0, "Hz";
+            rate_hz.rough: 0.1..=1500.0, "Hz";
             // Pulses further apart than 20 ms are bursts of their own.
-            ("burst_rate_hz", file.burst_rate_hz, 55.0..=1500.0, "Hz"),
-        ] {
-            source.range(&format!("{key}.smooth"), both.smooth, range.clone(), unit)?;
-            source.range(&format!("{key}.rough"), both.rough, range, unit)?;
-        }
+            burst_rate_hz.smooth: 55.0..=1500.0, "Hz";
+            burst_rate_hz.rough: 55.0..=1500.0, "Hz")?;
         if let Some(tap) = &file.tap {
-            for (end, rate_hz, strength) in [
-                ("soft", tap.rate_hz.soft, tap.strength.soft),
-                ("hard", tap.rate_hz.hard, tap.strength.hard),
-            ] {
-                source.range(&format!("tap.rate_hz.{end}"), rate_hz, 1.0..=1500.0, "Hz")?;
-                source.range(&format!("tap.strength.{end}"), strength, 0.0..=1.0, "")?;
-            }
-            source.range("tap.decay_ms", tap.decay_ms, 0.1..=1e3, "ms")?;
+            bounds!(source, "tap", tap;
+                rate_hz.soft: 1.0..=1500.0, "Hz";
+                strength.soft: 0.0..=1.0;
+                rate_hz.hard: 1.0..=1500.0, "Hz";
+                strength.hard: 0.0..=1.0;
+                decay_ms: 0.1..=1e3, "ms")?;
         }
         let [lead, interval] = [file.lead_ms, file.interval_ms].map(millis);
         Activation::new(file.alpha, file.beta, lead, interval)

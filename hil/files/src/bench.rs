@@ -14,77 +14,56 @@ use super::address::{check_chip, check_once};
 use super::error::FileError;
 use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
+use super::settings::{bounds, settings};
 use super::source::Source;
 pub use dac::BenchDac;
 pub use displays::BenchDisplay;
 pub use heat::BenchHeat;
 pub use unit::{BenchUnit, Network};
 
-/// A bench. A file states what differs from [`Bench::default`], and its name and description.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
-#[serde(default, deny_unknown_fields)]
-pub struct Bench {
-    /// Lower case with hyphens.
-    pub name: String,
-    /// What it is, in a sentence.
-    pub description: String,
-    /// What stands behind the buses.
-    pub kind: BenchKind,
-    /// The buses of a real bench.
-    pub real: Option<Real>,
-    /// A display layout: a built-in name or a file. A real bench states it.
-    pub display: String,
-    /// A limit table: a built-in name or a file; `default` has the hard limits.
-    pub limits: String,
-    /// The display's wires. A real bench states them.
-    pub wire: BenchWire,
-    /// How the wires sit on the finger: what of their motion reaches it.
-    pub mount: BenchMount,
-    /// The finger under them.
-    pub tissue: BenchTissue,
-    /// What drives them.
-    pub drive: Drive,
-    /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
-    pub amplifier: Amplifier,
-    /// Converters that set the amplifiers' current; left out: it is fixed.
-    pub dac: Option<BenchDac>,
-    /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
-    /// A real bench states them.
-    pub outputs: Vec<Output>,
-    /// Several displays, a fingertip each, in place of one.
-    pub displays: Vec<BenchDisplay>,
-    /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Benches of one
-    /// display only.
-    pub unit: Option<BenchUnit>,
-    /// A Peltier module under the fingertip; left out: none.
-    pub heat: Option<BenchHeat>,
-}
+settings! {
+    /// A bench. A file states what differs from [`Bench::default`], and its name and description.
+    #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
+    pub struct Bench {
+        /// Lower case with hyphens.
+        pub name: String,
+        /// What it is, in a sentence.
+        pub description: String,
+        /// What stands behind the buses.
+        pub kind: BenchKind = BenchKind::Emulated,
+        /// The buses of a real bench.
+        pub real: Option<Real>,
+        /// A display layout: a built-in name or a file. A real bench states it.
+        pub display: String = "thimble-8".into(),
+        /// A limit table: a built-in name or a file; `default` has the hard limits.
+        pub limits: String = "default".into(),
+        /// The display's wires. A real bench states them.
+        pub wire: BenchWire,
+        /// How the wires sit on the finger: what of their motion reaches it.
+        pub mount: BenchMount,
+        /// The finger under them.
+        pub tissue: BenchTissue,
+        /// What drives them.
+        pub drive: Drive,
+        /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
+        pub amplifier: Amplifier,
+        /// Converters that set the amplifiers' current; left out: it is fixed.
+        pub dac: Option<BenchDac>,
+        /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
+        /// A real bench states them.
+        pub outputs: Vec<Output>,
+        /// Several displays, a fingertip each, in place of one.
+        pub displays: Vec<BenchDisplay>,
+        /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Benches of one
+        /// display only.
+        pub unit: Option<BenchUnit>,
+        /// A Peltier module under the fingertip; left out: none.
+        pub heat: Option<BenchHeat>,
+    }
 
-impl Default for Bench {
     /// The emulated thimble, without a name. Its current is below the published drive, so that a contact that keeps
     /// moving meets no limit.
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            description: String::new(),
-            kind: BenchKind::Emulated,
-            real: None,
-            display: "thimble-8".into(),
-            limits: "default".into(),
-            wire: BenchWire::default(),
-            mount: BenchMount::default(),
-            tissue: BenchTissue::default(),
-            drive: Drive::default(),
-            amplifier: Amplifier::default(),
-            dac: None,
-            outputs: Vec::new(),
-            displays: Vec::new(),
-            unit: None,
-            heat: None,
-        }
-    }
+    default
 }
 
 /// What of a real bench is its hardware's to say: assumed values would make the guard's model of it wrong.
@@ -170,44 +149,35 @@ impl Real {
     }
 }
 
-/// A wire and what it is made of.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct BenchWire {
-    /// A wire: a built-in name or a file.
-    pub kind: String,
-    /// An alloy: a built-in name or a file.
-    pub alloy: String,
-}
-
-impl Default for BenchWire {
-    fn default() -> Self {
-        Self {
-            kind: "final-75um".into(),
-            alloy: "low".into(),
-        }
+settings! {
+    /// A wire and what it is made of.
+    #[derive(Eq)]
+    pub struct BenchWire {
+        /// A wire: a built-in name or a file.
+        pub kind: String = "final-75um".into(),
+        /// An alloy: a built-in name or a file.
+        pub alloy: String = "low".into(),
     }
 }
 
-/// Current, supply and PWM.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Drive {
-    /// Current through a wire that is on; with `[dac]` the most that it can be set to. A real bench states it.
-    pub current_ma: f64,
-    /// Most current the supply gives at any instant. A real bench states it.
-    pub supply_limit_ma: f64,
-    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
-    /// illusion `inverse` and no texture, which choose their own.
-    pub pwm_hz: Option<f64>,
-    /// Between onsets in milliseconds where the illusion is `inverse` and a scene says nothing; left out: 117.
-    pub soa_ms: Option<f64>,
-    /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
-    pub oscillator: f64,
-    /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
-    pub clock: Option<ExternalClock>,
+settings! {
+    /// Current, supply and PWM.
+    #[derive(Copy)]
+    pub struct Drive {
+        /// Current through a wire that is on; with `[dac]` the most that it can be set to. A real bench states it.
+        pub current_ma: f64 = 990.0,
+        /// Most current the supply gives at any instant. A real bench states it.
+        pub supply_limit_ma: f64 = 4000.0, // at the published 1.97 A two wires may overlap, three may not
+        /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
+        /// illusion `inverse` and no texture, which choose their own.
+        pub pwm_hz: Option<f64>,
+        /// Between onsets in milliseconds where the illusion is `inverse` and a scene says nothing; left out: 117.
+        pub soa_ms: Option<f64>,
+        /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
+        pub oscillator: f64 = 1.0,
+        /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
+        pub clock: Option<ExternalClock>,
+    }
 }
 
 /// A clock on the EXTCLK pin of every chip.
@@ -219,19 +189,6 @@ pub struct ExternalClock {
     pub hz: u32,
     /// How far it may be from that at any time, parts per million.
     pub tolerance_ppm: u32,
-}
-
-impl Default for Drive {
-    fn default() -> Self {
-        Self {
-            current_ma: 990.0,
-            supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
-            pwm_hz: None,
-            soa_ms: None,
-            oscillator: 1.0,
-            clock: None,
-        }
-    }
 }
 
 /// The amplifiers and the supply that feeds them all.
@@ -274,17 +231,6 @@ impl Output {
     }
 }
 
-impl Amplifier {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        source.range("amplifier.rise_us", self.rise_us, 0.0..=100.0, "us")?;
-        source.range("amplifier.on_ohm", self.on_ohm, 0.0..=100.0, "Ohm")?;
-        if let Some(volts) = self.supply_v {
-            source.range("amplifier.supply_v", volts, 0.1..=60.0, "V")?;
-        }
-        source.range("amplifier.supply_ohm", self.supply_ohm, 0.0..=100.0, "Ohm")
-    }
-}
-
 impl Drive {
     /// Between onsets where a scene says nothing, in the core's unit.
     pub fn soa(&self) -> Option<Duration> {
@@ -299,36 +245,29 @@ impl Drive {
     }
 
     fn check(&self, source: &Source) -> Result<(), FileError> {
-        source.range("drive.current_ma", self.current_ma, 1.0..=5000.0, "mA")?;
-        let supply = self.supply_limit_ma;
-        source.range("drive.supply_limit_ma", supply, 1.0..=1e5, "mA")?;
-        if supply < self.current_ma {
+        bounds!(source, "drive", self;
+            current_ma: 1.0..=5000.0, "mA";
+            supply_limit_ma: 1.0..=1e5, "mA")?;
+        if self.supply_limit_ma < self.current_ma {
             let expected = format!("at least the current of one wire, {} mA", self.current_ma);
             return Err(source.bad("drive.supply_limit_ma", expected));
         }
-        if let Some(soa) = self.soa_ms {
-            source.range("drive.soa_ms", soa, 1.0..=10_000.0, "ms")?;
-        }
-        let pwm = |reached| match self.pwm_hz {
-            Some(hz) => source.range("drive.pwm_hz", hz, reached, "Hz"),
-            None => Ok(()),
-        };
+        bounds!(source, "drive", self; soa_ms: 1.0..=10_000.0, "ms")?;
         let Some(clock) = self.clock else {
-            // What dividers 3 to 255 make of 25 MHz.
-            pwm(24.0..=1526.0)?;
-            return source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "");
+            return bounds!(source, "drive", self;
+                // What dividers 3 to 255 make of 25 MHz.
+                pwm_hz: 24.0..=1526.0, "Hz";
+                oscillator: 0.8..=1.2);
         };
-        let most = Clock::MOST_HZ;
-        source.range("drive.clock.hz", clock.hz, 100_000..=most, "Hz")?;
-        let most = Clock::MOST_PPM;
-        let key = "drive.clock.tolerance_ppm";
-        source.range(key, clock.tolerance_ppm, 0..=most, "ppm")?;
+        bounds!(source, "drive.clock", clock;
+            hz: 100_000..=Clock::MOST_HZ, "Hz";
+            tolerance_ppm: 0..=Clock::MOST_PPM, "ppm")?;
         let divided = |by: f64| f64::from(clock.hz) / 4096.0 / by;
-        pwm(divided(256.0)..=divided(4.0))?;
         // A clock that is not what the bench says of it: the guard would count too few pulses.
         let off = f64::from(clock.tolerance_ppm) * 1e-6;
-        let within = 1.0 - off..=1.0 + off;
-        source.range("drive.oscillator", self.oscillator, within, "")
+        bounds!(source, "drive", self;
+            pwm_hz: divided(256.0)..=divided(4.0), "Hz";
+            oscillator: 1.0 - off..=1.0 + off)
     }
 }
 
@@ -338,15 +277,16 @@ impl Real {
         // One board listens on each address of a bus, and a bench has at most 16.
         let adapters = u8::try_from(self.i2c.len()).unwrap_or(u8::MAX);
         match unit {
-            true => source.range("real.i2c", adapters, 0..=0, "adapters: the unit has them")?,
-            false => source.range("real.i2c", adapters, 1..=16, "adapters")?,
+            true => source.range("real.i2c", &adapters, 0..=0, "adapters: the unit has them")?,
+            false => source.range("real.i2c", &adapters, 1..=16, "adapters")?,
         }
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
-        source.range("real.can", interfaces, 1..=16, "interfaces")?;
+        source.range("real.can", &interfaces, 1..=16, "interfaces")?;
         check_once(source, "real.i2c", self.i2c.iter().map(PathBuf::as_path))?;
         check_once(source, "real.can", self.can.iter().map(Path::new))?;
-        source.range("real.heartbeat_ms", self.heartbeat_ms, 5..=1000, "ms")?;
-        source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
+        bounds!(source, "real", self;
+            heartbeat_ms: 5..=1000, "ms";
+            transfer_ms: 1..=10_000, "ms")?;
         Ok(adapters.max(1))
     }
 }
@@ -361,9 +301,17 @@ impl Bench {
         source.heading(&bench.name, &bench.description)?;
         bench.drive.check(source)?;
         let adapters = bench.adapters(source)?;
-        bench.amplifier.check(source)?;
-        bench.mount.check(source)?;
-        bench.tissue.check(source)?;
+        bounds!(source, "amplifier", bench.amplifier;
+            rise_us: 0.0..=100.0, "us";
+            on_ohm: 0.0..=100.0, "Ohm";
+            supply_v: 0.1..=60.0, "V";
+            supply_ohm: 0.0..=100.0, "Ohm")?;
+        bounds!(source, "mount", bench.mount;
+            sag_um: 1.0..=10_000.0, "um";
+            preload_mn: 0.0..=100.0, "mN")?;
+        bounds!(source, "tissue", bench.tissue;
+            modulus_kpa: 1.0..=10_000.0, "kPa";
+            contact_um: 1.0..=500.0, "um")?;
         bench.check_unit(source)?;
         bench.check_heat(source)?;
         bench.check_outputs(source, adapters)?;
@@ -443,9 +391,9 @@ impl Bench {
     fn check_outputs(&self, source: &Source, adapters: u8) -> Result<(), FileError> {
         for (index, output) in self.outputs.iter().enumerate() {
             let at = |key: &str| format!("outputs[{index}].{key}");
-            source.range(&at("bus"), output.bus, 0..=adapters - 1, "")?;
+            source.range(&at("bus"), &output.bus, 0..=adapters - 1, "")?;
             check_chip(source, &at("board"), output.board)?;
-            source.range(&at("channel"), output.channel, 0..=15, "")?;
+            source.range(&at("channel"), &output.channel, 0..=15, "")?;
             if let Some(wire) = self.outputs[..index].iter().position(|o| o == output) {
                 let expected =
                     format!("an output of its own: wire {wire} has this channel of this board");

@@ -1,12 +1,14 @@
 //! A value in place of a file's own, and where in a TOML text a key stands.
 
+use serde::{Deserialize, Serialize};
 use toml::Value;
 use toml::de::DeTable;
 
 use super::plain;
 
 /// What stands at a key whatever the file says.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Change {
     /// Who says so, as errors name it: an option of the command line.
     pub by: String,

@@ -177,10 +177,7 @@ impl Mended {
     }
 
     fn scene(&mut self) {
-        fn of(source: &Source) -> Result<Loaded<Scene>, FileError> {
-            let (value, source) = (Scene::read(source)?, source.clone());
-            Ok(Loaded { value, source })
-        }
+        let of = |s: &Source| Loaded::<Scene>::read(s.clone());
         self.read(|s| of(s).map(drop));
         self.read(|s| setup::sensor_of(&of(s)?).map(drop));
         self.read(|s| {
@@ -193,10 +190,7 @@ impl Mended {
     }
 
     fn bench(&mut self) {
-        fn of(source: &Source) -> Result<Loaded<Bench>, FileError> {
-            let (value, source) = (Bench::read(source)?, source.clone());
-            Ok(Loaded { value, source })
-        }
+        let of = |s: &Source| Loaded::<Bench>::read(s.clone());
         self.read(|s| of(s).map(drop));
         self.read(|s| setup::limits_of(&of(s)?).map(drop));
         self.read(|s| setup::wire_of(&of(s)?).map(drop));

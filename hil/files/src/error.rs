@@ -2,11 +2,14 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 /// A file that cannot be used, said so that its author can mend it. Its display is
 /// `file:line: key: expected ..., found ...`; a retry without an edit does not help.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
 pub struct FileError {
     /// The file as the user named it; a built-in one under its place in `fixtures/`.
+    #[serde(rename = "file")]
     pub path: String,
     /// The line, counted from one; none when the file as a whole is meant.
     pub line: Option<usize>,

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 macro_rules! kinds {
@@ -231,10 +232,9 @@ impl Fault {
     /// Checks the fault that stands under `key`.
     pub(super) fn check(&self, source: &Source, key: &str, length_s: f64) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
-        source.range(&at("at_s"), self.at_s, 0.0..=length_s, "s")?;
-        if let Some(until) = self.until_s {
-            source.range(&at("until_s"), until, self.at_s..=length_s, "s")?;
-        }
+        bounds!(source, key, self;
+            at_s: 0.0..=length_s, "s";
+            until_s: self.at_s..=length_s, "s")?;
         let (needed, optional) = self.kind.keys();
         let given = self.given();
         let name = self.kind.name();
@@ -255,7 +255,7 @@ impl Fault {
                 "factor" => (0.5, 2.0),
                 _ => continue,
             };
-            source.range(&at(k), *value, low..=high, "")?;
+            source.range(&at(k), value, low..=high, "")?;
         }
         if self.kind == FaultKind::BusOff && self.module.is_some() == self.bus.is_some() {
             return Err(source.bad(&at("module"), "either module (its board) or bus (the host)"));

@@ -1,9 +1,9 @@
 //! The texture of a scene: what is stroked, with which network, and what carries it to the finger.
 
 use palpate_core::texture::Draw;
-use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::{bounds, settings};
 use super::source::Source;
 use super::words::{self, choice};
 
@@ -12,54 +12,37 @@ choice! { /** What carries a texture. */ FeltBy {
     /** The contacts: their bursts are thinned out. */ Contacts = "contacts",
 }}
 
-/// A texture that is felt.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Felt {
-    /// The surface that is stroked, by its name in the table; left out: none, as where recordings are replayed.
-    pub surface: Option<String>,
-    /// The table of textures: a built-in name or a file.
-    pub table: String,
-    /// The stroked module, counted from zero; left out: the one that drives the display.
-    pub module: Option<usize>,
-    /// When strokes begin, seconds.
-    pub strokes_s: Vec<f64>,
-    /// How long each is, seconds; 2 is the thesis's.
-    pub stroke_s: f64,
-    /// The scene's touches of that module are of this surface themselves, and rub it over the skin; the network hears them as a
-    /// stroke over the whole module.
-    pub rubs: bool,
-    /// The texture model: a built-in name or a file.
-    pub model: String,
-    /// Whether hardness is felt where the surface is met and left; left out: where the model knows it, and the activation says how.
-    pub hardness: Option<bool>,
-    /// From roughness to pulses: a built-in name or a file.
-    pub activation: String,
-    /// What carries it.
-    pub carrier: FeltBy,
-    /// How pulses are drawn. A carrier of contacts draws nothing.
-    #[serde(with = "words::Draw")]
-    pub draw: Draw,
-}
-
-impl Default for Felt {
-    /// Pulses over the whole display, nothing stroked.
-    fn default() -> Self {
-        Self {
-            surface: None,
-            table: "thesis".into(),
-            module: None,
-            strokes_s: Vec::new(),
-            stroke_s: 2.0,
-            rubs: false,
-            model: "default".into(),
-            hardness: None,
-            activation: "assumed".into(),
-            carrier: FeltBy::Display,
-            draw: Draw::Bernoulli,
-        }
+settings! {
+    /// A texture that is felt.
+    pub struct Felt {
+        /// The surface that is stroked, by its name in the table; left out: none, as where recordings are replayed.
+        pub surface: Option<String>,
+        /// The table of textures: a built-in name or a file.
+        pub table: String = "thesis".into(),
+        /// The stroked module, counted from zero; left out: the one that drives the display.
+        pub module: Option<usize>,
+        /// When strokes begin, seconds.
+        pub strokes_s: Vec<f64>,
+        /// How long each is, seconds; 2 is the thesis's.
+        pub stroke_s: f64 = 2.0,
+        /// The scene's touches of that module are of this surface themselves, and rub it over the skin; the network hears them as a
+        /// stroke over the whole module.
+        pub rubs: bool = false,
+        /// The texture model: a built-in name or a file.
+        pub model: String = "default".into(),
+        /// Whether hardness is felt where the surface is met and left; left out: where the model knows it, and the activation says how.
+        pub hardness: Option<bool>,
+        /// From roughness to pulses: a built-in name or a file.
+        pub activation: String = "assumed".into(),
+        /// What carries it.
+        pub carrier: FeltBy = FeltBy::Display,
+        /// How pulses are drawn. A carrier of contacts draws nothing.
+        #[serde(with = "words::Draw")]
+        pub draw: Draw = Draw::Bernoulli,
     }
+
+    /// Pulses over the whole display, nothing stroked.
+    default
 }
 
 impl Felt {
@@ -71,14 +54,14 @@ impl Felt {
         (quiet_s, length_s): (f64, f64),
     ) -> Result<(), FileError> {
         let at = |key: &str| format!("{section}.{key}");
-        source.range(&at("stroke_s"), self.stroke_s, 0.1..=3600.0, "s")?;
+        bounds!(source, section, self; stroke_s: 0.1..=3600.0, "s")?;
         let mut free_s = quiet_s;
         for (i, &start_s) in self.strokes_s.iter().enumerate() {
             let key = at(&format!("strokes_s[{i}]"));
             let unit =
                 "s (after reference and threshold frames and the stroke before, within the scene)";
             let last = length_s - self.stroke_s;
-            source.range(&key, start_s, free_s..=last.max(free_s), unit)?;
+            source.range(&key, &start_s, free_s..=last.max(free_s), unit)?;
             if start_s > last {
                 return Err(source.bad(
                     &key,

@@ -1,5 +1,7 @@
 //! Formats by the first bytes of a file: what a reader took it for, and what an output may replace.
 
+use std::path::Path;
+
 /// A format that this project reads or writes, or that is often taken for one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -100,10 +102,7 @@ impl Format {
             return Some(Self::Contacts);
         }
         // With insta's head, or without it as `hil run --record` writes one.
-        let head = text
-            .strip_prefix("---\n")
-            .and_then(|t| t.split_once("\n---\n"));
-        let body = head.map_or(text, |(_, body)| body);
+        let (_, body) = headed(text);
         if body.starts_with("palpate ") && body.lines().next()?.contains(" of ") {
             return Some(Self::Golden);
         }
@@ -148,6 +147,37 @@ impl Format {
         heading.contains(',').then_some(Self::Csv)
     }
 
+    /// The format of a record by the ending of its name; none for other endings.
+    #[must_use]
+    pub fn of_name(path: &Path) -> Option<Self> {
+        Some(match path.extension()?.to_str()? {
+            "csv" => Self::Contacts,
+            "jsonl" => Self::Schedule,
+            "log" => Self::Candump,
+            "mcap" => Self::Mcap,
+            "vcd" => Self::Vcd,
+            "snap" => Self::Golden,
+            "html" => Self::Html,
+            "json" => Self::Json,
+            _ => return None,
+        })
+    }
+
+    /// Whether a record of it is written while a run goes on; others take all of a run.
+    #[must_use]
+    pub const fn grows(self) -> bool {
+        matches!(
+            self,
+            Self::Contacts | Self::Schedule | Self::Candump | Self::Mcap | Self::Vcd
+        )
+    }
+
+    /// Whether each of several displays has a record of its own.
+    #[must_use]
+    pub const fn is_per_display(self) -> bool {
+        matches!(self, Self::Golden | Self::Mcap | Self::Vcd | Self::Html)
+    }
+
     /// Whether people can read it.
     #[must_use]
     pub const fn is_text(self) -> bool {
@@ -180,6 +210,14 @@ impl Format {
             Self::Binary(what) => what,
         }
     }
+}
+
+/// What insta writes above a snapshot, where something stands there, and the snapshot itself.
+#[must_use]
+pub fn headed(text: &str) -> (Option<&str>, &str) {
+    let parts = text.strip_prefix("---\n");
+    let parts = parts.and_then(|rest| rest.split_once("\n---\n"));
+    parts.map_or((None, text), |(head, body)| (Some(head), body))
 }
 
 #[cfg(test)]

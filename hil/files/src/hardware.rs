@@ -22,12 +22,11 @@ impl Loaded<Bench> {
     /// # Errors
     /// Names the option and key of what cannot be.
     pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        let source = self.source.with(overrides.of_bench());
+        let source = self.source.with(overrides.bench.clone());
         if self.value.is_hardware() {
             refuse_facts(&source)?;
         }
-        let value = Bench::read(&source)?;
-        let changed = Self { value, source };
+        let changed = Self::read(source)?;
         check(&self, &changed)?;
         Ok(changed)
     }

@@ -6,83 +6,58 @@ use palpate_core::units::Duration;
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::{bounds, settings};
 use super::source::Source;
 use super::words;
 
-/// Phantom sensation and its timing.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Illusion {
-    /// The model.
-    #[serde(with = "words::Model")]
-    pub model: IllusionModel,
-    /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
-    /// the gap. Left out: the model's own (1, 0.65, 0.6).
-    pub shape: Option<f64>,
-    /// `phantom` with the shape that makes midpoints flat, found from the spacings.
-    pub flat: bool,
-    /// Distances; left out: `axes` for `phantom`, else `plane`.
-    #[serde(with = "words::distances")]
-    #[cfg_attr(test, schemars(with = "Option<words::Distances>"))]
-    pub distances: Option<Distances>,
-    /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
-    pub margin: Option<f64>,
-    /// How `inverse` renders a contact.
-    #[serde(with = "words::Style")]
-    pub render: Style,
-    /// How strongly `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left out: as
-    /// strongly as the limits let it.
-    pub level_db: Option<f64>,
-    /// How several contacts share wires.
-    #[serde(with = "words::Sharing")]
-    pub sharing: Sharing,
-    /// Duty of a wire that is barely active, a share of the period.
-    pub alpha: f64,
-    /// Duty added at full activation, a share of the period.
-    pub beta: f64,
-    /// The timing law.
-    #[serde(with = "words::Timing")]
-    pub timing: TimingLaw,
-    /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most. `inverse` finds its own.
-    pub tau_d_ms: Option<f64>,
-    /// Between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which is 35 if that is
-    /// left out too.
-    pub soa_ms: Option<f64>,
-    /// Whether a contact's level reaches the wires.
-    pub intensity: bool,
-    /// The share of beta at the lowest level; the top level has all of it.
-    pub intensity_floor: f64,
-    /// Weber fraction by which levels differ, from the top down to the floor; left out: evenly spaced.
-    pub weber: Option<f64>,
-    /// The emulated person who feels it, a built-in name or a file.
-    pub person: String,
-    /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
-    pub wearer: Option<String>,
-}
-
-impl Default for Illusion {
-    fn default() -> Self {
-        Self {
-            model: IllusionModel::Inverse,
-            shape: None,
-            flat: false,
-            distances: None,
-            margin: None,
-            render: Style::Smooth,
-            level_db: None,
-            sharing: Sharing::Strongest,
-            alpha: 0.0,
-            beta: 100.0 / 4096.0, // of the chip's ticks
-            timing: TimingLaw::TactileBrush,
-            tau_d_ms: None,
-            soa_ms: None,
-            intensity: true,
-            intensity_floor: 0.85,
-            weber: None,
-            person: "typical".into(),
-            wearer: None,
-        }
+settings! {
+    /// Phantom sensation and its timing.
+    pub struct Illusion {
+        /// The model.
+        #[serde(with = "words::Model")]
+        pub model: IllusionModel = IllusionModel::Inverse,
+        /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
+        /// the gap. Left out: the model's own (1, 0.65, 0.6).
+        pub shape: Option<f64>,
+        /// `phantom` with the shape that makes midpoints flat, found from the spacings.
+        pub flat: bool = false,
+        /// Distances; left out: `axes` for `phantom`, else `plane`.
+        #[serde(with = "words::distances")]
+        #[cfg_attr(test, schemars(with = "Option<words::Distances>"))]
+        pub distances: Option<Distances>,
+        /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
+        pub margin: Option<f64>,
+        /// How `inverse` renders a contact.
+        #[serde(with = "words::Style")]
+        pub render: Style = Style::Smooth,
+        /// How strongly `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left out: as
+        /// strongly as the limits let it.
+        pub level_db: Option<f64>,
+        /// How several contacts share wires.
+        #[serde(with = "words::Sharing")]
+        pub sharing: Sharing = Sharing::Strongest,
+        /// Duty of a wire that is barely active, a share of the period.
+        pub alpha: f64 = 0.0,
+        /// Duty added at full activation, a share of the period.
+        pub beta: f64 = 100.0 / 4096.0, // of the chip's ticks
+        /// The timing law.
+        #[serde(with = "words::Timing")]
+        pub timing: TimingLaw = TimingLaw::TactileBrush,
+        /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most. `inverse` finds its own.
+        pub tau_d_ms: Option<f64>,
+        /// Between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which is 35 if that is
+        /// left out too.
+        pub soa_ms: Option<f64>,
+        /// Whether a contact's level reaches the wires.
+        pub intensity: bool = true,
+        /// The share of beta at the lowest level; the top level has all of it.
+        pub intensity_floor: f64 = 0.85,
+        /// Weber fraction by which levels differ, from the top down to the floor; left out: evenly spaced.
+        pub weber: Option<f64>,
+        /// The emulated person who feels it, a built-in name or a file.
+        pub person: String = "typical".into(),
+        /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
+        pub wearer: Option<String>,
     }
 }
 
@@ -107,33 +82,24 @@ impl Illusion {
     }
 
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
-        if let Some(shape) = self.shape {
-            source.range("illusion.shape", shape, 0.01..=100.0, "")?;
-            if self.flat {
-                return Err(source.bad("illusion.flat", "a shape or a flat midpoint, not both"));
-            }
+        bounds!(source, "illusion", self; shape: 0.01..=100.0)?;
+        if self.shape.is_some() && self.flat {
+            return Err(source.bad("illusion.flat", "a shape or a flat midpoint, not both"));
         }
-        if let Some(margin) = self.margin {
-            source.range("illusion.margin", margin, 0.01..=10.0, "gaps")?;
+        bounds!(source, "illusion", self;
+            margin: 0.01..=10.0, "gaps";
+            level_db: 0.0..=60.0, "dB over threshold")?;
+        if self.level_db.is_some() && self.model != IllusionModel::Inverse {
+            let expected = "nothing: only `inverse` aims at a level";
+            return Err(source.bad("illusion.level_db", expected));
         }
-        if let Some(level) = self.level_db {
-            source.range("illusion.level_db", level, 0.0..=60.0, "dB over threshold")?;
-            if self.model != IllusionModel::Inverse {
-                let expected = "nothing: only `inverse` aims at a level";
-                return Err(source.bad("illusion.level_db", expected));
-            }
-        }
-        source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
-        source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
+        bounds!(source, "illusion", self; alpha: 0.0..=1.0; beta: 0.0..=1.0)?;
         if self.alpha + self.beta >= 1.0 {
             return Err(source.bad("illusion.beta", "alpha + beta below 1"));
         }
-        if let Some(tau) = self.tau_d_ms {
-            source.range("illusion.tau_d_ms", tau, 1.0..=1000.0, "ms")?;
-        }
-        if let Some(soa) = self.soa_ms {
-            source.range("illusion.soa_ms", soa, 1.0..=10_000.0, "ms")?;
-        }
+        bounds!(source, "illusion", self;
+            tau_d_ms: 1.0..=1000.0, "ms";
+            soa_ms: 1.0..=10_000.0, "ms")?;
         if self.tau_d_ms.is_some_and(|tau| tau > self.onset_ms()) {
             let expected = format!("at most the time between onsets, {} ms", self.onset_ms());
             return Err(source.bad("illusion.tau_d_ms", expected));
@@ -142,12 +108,9 @@ impl Illusion {
         self.timing
             .timing(duration, soa)
             .map_err(|e| source.bad("illusion.soa_ms", e.to_string()))?;
-        let floor = self.intensity_floor;
-        source.range("illusion.intensity_floor", floor, 0.0..=1.0, "")?;
-        if let Some(weber) = self.weber {
-            source.range("illusion.weber", weber, 0.001..=10.0, "")?;
-        }
-        Ok(())
+        bounds!(source, "illusion", self;
+            intensity_floor: 0.0..=1.0;
+            weber: 0.001..=10.0)
     }
 }
 
@@ -191,19 +154,15 @@ impl SceneStroke {
     }
 
     fn check(&self, source: &Source, key: &str, free_s: f64, end_s: f64) -> Result<(), FileError> {
-        let at = |name: &str| format!("{key}.{name}");
         if !(free_s..end_s).contains(&self.start_s) {
             let expected =
                 format!("from {free_s} s, where the one before ends, to below {end_s} s");
-            return Err(source.bad(&at("start_s"), expected));
+            return Err(source.bad(&format!("{key}.start_s"), expected));
         }
-        source.range(&at("length_s"), self.length_s, 0.001..=3600.0, "s")?;
-        source.range(&at("weight"), self.weight, 0.0..=1.0, "of full strength")?;
-        for (name, place) in [("from_mm", self.from_mm), ("to_mm", self.to_mm)] {
-            for (axis, value) in place.into_iter().enumerate() {
-                source.range(&at(&format!("{name}[{axis}]")), value, -1e4..=1e4, "mm")?;
-            }
-        }
-        Ok(())
+        bounds!(source, key, self;
+            length_s: 0.001..=3600.0, "s";
+            weight: 0.0..=1.0, "of full strength";
+            from_mm: -1e4..=1e4, "mm";
+            to_mm: -1e4..=1e4, "mm")
     }
 }

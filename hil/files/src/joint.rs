@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 /// Largest angle of a joint, degrees either way.
@@ -45,8 +46,8 @@ impl Joint {
         let mut from = 0.0;
         for (index, [t_s, deg]) in self.points_s_deg.iter().enumerate() {
             let key = format!("{points}[{index}]");
-            source.range(&key, *t_s, 0.0..=86_400.0, "s")?;
-            source.range(&key, *deg, -MOST_DEG..=MOST_DEG, "degrees")?;
+            source.range(&key, t_s, 0.0..=86_400.0, "s")?;
+            source.range(&key, deg, -MOST_DEG..=MOST_DEG, "degrees")?;
             if index > 0 && *t_s <= from {
                 return Err(source.bad(&key, format!("a time after {from} s")));
             }
@@ -84,13 +85,9 @@ pub struct When {
 impl When {
     /// Checks the bounds by themselves.
     pub(super) fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
-        let bounds = [("above_deg", self.above_deg), ("below_deg", self.below_deg)];
-        for (name, bound) in bounds {
-            if let Some(deg) = bound {
-                let key = format!("{key}.{name}");
-                source.range(&key, deg, -MOST_DEG..=MOST_DEG, "degrees")?;
-            }
-        }
+        bounds!(source, key, self;
+            above_deg: -MOST_DEG..=MOST_DEG, "degrees";
+            below_deg: -MOST_DEG..=MOST_DEG, "degrees")?;
         match (self.above_deg, self.below_deg) {
             (None, None) => Err(source.bad(key, "above_deg, below_deg or both")),
             (Some(above), Some(below)) if above >= below => {

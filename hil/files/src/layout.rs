@@ -5,6 +5,7 @@ use serde::Deserialize;
 use super::error::FileError;
 use super::module::{SkinModule, places};
 use super::resolve::{FileKind, resolve_from};
+use super::settings::bounds;
 use super::source::Source;
 use super::transducer::Transducer;
 
@@ -137,8 +138,7 @@ impl SensorLayout {
             return Err(source.bad("modules", "at least one module"));
         }
         if let Some(image) = self.image {
-            source.range("image.rows", image.rows, 1..=4096, "")?;
-            source.range("image.columns", image.columns, 1..=4096, "")?;
+            bounds!(source, "image", image; rows: 1..=4096; columns: 1..=4096)?;
         }
         let mut cells = std::collections::BTreeSet::new();
         for (index, module) in self.modules.iter().enumerate() {
@@ -217,13 +217,11 @@ impl DisplayLayout {
 
     fn check(&self, source: &Source) -> Result<(), FileError> {
         source.heading(&self.name, &self.description)?;
-        for (axis, value) in self.spacing_mm.into_iter().enumerate() {
-            source.range(&format!("spacing_mm[{axis}]"), value, 0.1..=1e3, "mm")?;
-        }
+        bounds!(source, "", self; spacing_mm: 0.1..=1e3, "mm")?;
         if let Some(surface) = self.surface {
-            let diameter = surface.diameter_mm;
-            source.range("surface.diameter_mm", diameter, 1.0..=1e3, "mm")?;
-            source.range("surface.tip_mm", surface.tip_mm, -1e3..=1e3, "mm")?;
+            bounds!(source, "surface", surface;
+                diameter_mm: 1.0..=1e3, "mm";
+                tip_mm: -1e3..=1e3, "mm")?;
         }
         places(source, "wires_mm", &self.wires_mm, 1..=256)?;
         self.check_overlap(source)

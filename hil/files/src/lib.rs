@@ -40,6 +40,7 @@ mod resolve;
 mod rows;
 mod saved;
 mod scene;
+mod settings;
 mod setup;
 mod shelf;
 mod source;
@@ -72,13 +73,13 @@ pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
-pub use format::Format;
+pub use format::{Format, headed};
 pub use illusion::{Illusion, SceneStroke};
 pub use joint::{Gate, Joint, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
+    Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
     load_protocol, load_scene, load_textures, load_wire,
 };
 pub use migrate::{Migrated, migrated};
@@ -92,10 +93,12 @@ pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
     Protocol, Question, RatingScale, RatingTask, SimulatedChoices, SimulatedDifferences,
     SimulatedDrawings, SimulatedMatches, SimulatedPlaces, SimulatedRatings, SimulatedThresholds,
-    ThresholdMethod, ThresholdTask,
+    TaskKind, ThresholdMethod, ThresholdTask,
 };
 pub use quarantine::{Quarantine, Quarantined};
-pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
+pub use reading::{
+    LONGEST_LINE, Lines, Text, entries, format_of, is_stream, open, read_bytes, read_text,
+};
 pub use resolve::{FileKind, resolve, resolve_from};
 pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
 pub use scene::{

@@ -5,48 +5,32 @@ use palpate_core::units::Duration;
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::settings;
 use super::source::Source;
 
-macro_rules! section {
-    ($(#[$doc:meta])* $name:ident: $($(#[$row:meta])* $key:ident = $hard:expr),+) => {
-        $(#[$doc])*
-        #[derive(Deserialize)]
-        #[cfg_attr(test, derive(schemars::JsonSchema))]
-        #[serde(deny_unknown_fields, default)]
-        struct $name { $($(#[$row])* $key: f64),+ }
-
-        impl Default for $name {
-            /// The hard limits in the file's units.
-            fn default() -> Self {
-                Self { $($key: $hard),+ }
-            }
-        }
-    };
-}
-
-section! { /** One pulse; full-on is refused whatever stands here. */ Pulse:
-/** Longest pulse in microseconds. */ width_us = HARD.pulse_width_ns as f64 / 1e3 }
-section! { /** One burst on one wire. */ Burst:
-/** Longest burst in milliseconds. */ length_ms = HARD.burst.as_micros() as f64 / 1e3,
-/** Most electrical energy in millijoules. */ energy_mj = HARD.burst_energy_nj as f64 / 1e6 }
-section! { /** Mean electrical power of one wire. */ WirePower:
-/** Milliwatts over one second. */ over_1s_mw = HARD.wire_1s_uw as f64 / 1e3,
-/** Milliwatts over ten seconds. */ over_10s_mw = HARD.wire_10s_uw as f64 / 1e3 }
-section! { /** Mean electrical power of all wires of a fingertip. */ FingertipPower:
-/** Milliwatts over one second. */ over_1s_mw = HARD.fingertip_1s_uw as f64 / 1e3,
-/** Milliwatts over sixty seconds. */ over_60s_mw = HARD.fingertip_60s_uw as f64 / 1e3 }
-section! { /** Mean electrical power of all fingertips of one hand, which share it evenly. */ HandPower:
-/** Milliwatts over sixty seconds. */ over_60s_mw = HARD.hand_60s_uw as f64 / 1e3 }
-section! { /** Modelled skin temperature. */ Skin:
-/** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c = HARD.skin_mean_mc as f64 / 1e3,
-/** At any time at 0.1 mm in degrees Celsius. */ peak_c = HARD.skin_peak_mc as f64 / 1e3,
-/** At any time at 0.4 mm in degrees Celsius. */ deep_c = HARD.skin_deep_mc as f64 / 1e3 }
-section! { /** Dose over a session. */ Dose:
-/** Henriques' damage integral, kept below this. */ henriques_omega = HARD.dose_omega_ppm as f64 / 1e6,
+settings! { /** One pulse; full-on is refused whatever stands here. */ struct Pulse {
+/** Longest pulse in microseconds. */ width_us: f64 = HARD.pulse_width_ns as f64 / 1e3 } }
+settings! { /** One burst on one wire. */ struct Burst {
+/** Longest burst in milliseconds. */ length_ms: f64 = HARD.burst.as_micros() as f64 / 1e3,
+/** Most electrical energy in millijoules. */ energy_mj: f64 = HARD.burst_energy_nj as f64 / 1e6 } }
+settings! { /** Mean electrical power of one wire. */ struct WirePower {
+/** Milliwatts over one second. */ over_1s_mw: f64 = HARD.wire_1s_uw as f64 / 1e3,
+/** Milliwatts over ten seconds. */ over_10s_mw: f64 = HARD.wire_10s_uw as f64 / 1e3 } }
+settings! { /** Mean electrical power of all wires of a fingertip. */ struct FingertipPower {
+/** Milliwatts over one second. */ over_1s_mw: f64 = HARD.fingertip_1s_uw as f64 / 1e3,
+/** Milliwatts over sixty seconds. */ over_60s_mw: f64 = HARD.fingertip_60s_uw as f64 / 1e3 } }
+settings! { /** Mean electrical power of all fingertips of one hand, which share it evenly. */ struct HandPower {
+/** Milliwatts over sixty seconds. */ over_60s_mw: f64 = HARD.hand_60s_uw as f64 / 1e3 } }
+settings! { /** Modelled skin temperature. */ struct Skin {
+/** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c: f64 = HARD.skin_mean_mc as f64 / 1e3,
+/** At any time at 0.1 mm in degrees Celsius. */ peak_c: f64 = HARD.skin_peak_mc as f64 / 1e3,
+/** At any time at 0.4 mm in degrees Celsius. */ deep_c: f64 = HARD.skin_deep_mc as f64 / 1e3 } }
+settings! { /** Dose over a session. */ struct Dose {
+/** Henriques' damage integral, kept below this. */ henriques_omega: f64 = HARD.dose_omega_ppm as f64 / 1e6,
 /** Cumulative equivalent minutes at 43 degrees Celsius, kept below this. */
-cem43_min = HARD.dose_cem43_ms as f64 / 60e3 }
-section! { /** Outputs off on stale input, a late tick or a lost link. */ Watchdog:
-/** Within this many milliseconds. */ off_within_ms = HARD.stale.as_micros() as f64 / 1e3 }
+cem43_min: f64 = HARD.dose_cem43_ms as f64 / 60e3 } }
+settings! { /** Outputs off on stale input, a late tick or a lost link. */ struct Watchdog {
+/** Within this many milliseconds. */ off_within_ms: f64 = HARD.stale.as_micros() as f64 / 1e3 } }
 
 /// A limit table, in the units its keys name.
 #[derive(Default, Deserialize)]

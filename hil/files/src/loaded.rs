@@ -8,7 +8,7 @@ use super::error::FileError;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::overrides::Overrides;
-use super::person::PersonFile;
+use super::person::{PersonFile, Wearer};
 use super::protocol::Protocol;
 use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
@@ -31,111 +31,80 @@ impl Loaded<Scene> {
     /// # Errors
     /// Names the option and key of what cannot be.
     pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        let source = self.source.with(overrides.of_scene(&self.value));
-        let value = Scene::read(&source)?;
-        Ok(Self { value, source })
+        Self::read(self.source.with(overrides.of_scene(&self.value)))
     }
 }
 
-/// How a kind of file is read.
-type Read<T> = fn(&Source) -> Result<T, FileError>;
+/// What a kind of settings file says.
+pub trait Settings: Sized {
+    /// The kind.
+    const KIND: FileKind;
 
-fn load<T>(source: Source, read: Read<T>) -> Result<Loaded<T>, FileError> {
-    let value = read(&source)?;
-    Ok(Loaded { value, source })
+    /// Reads and checks a file of this kind.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    fn of(source: &Source) -> Result<Self, FileError>;
+}
+
+/// The types of settings files with their kinds, and the function that loads one, where callers name such files.
+macro_rules! files {
+    ($($type:ident = $kind:ident $(, $load:ident $noun:literal)?;)+) => {$(
+        impl Settings for $type {
+            const KIND: FileKind = FileKind::$kind;
+
+            fn of(source: &Source) -> Result<Self, FileError> {
+                Self::read(source)
+            }
+        }
+
+        $(
+            #[doc = concat!($noun, " by name or path.")]
+            ///
+            /// # Errors
+            /// An unknown name, or what cannot be in the file.
+            pub fn $load(name: &str) -> Result<Loaded<$type>, FileError> {
+                Loaded::named(name)
+            }
+        )?
+    )+};
+}
+
+files! {
+    Scene = Scene, load_scene "A scene";
+    LayoutFile = Layout, load_layout "A layout of either kind";
+    Bench = Bench, load_bench "A bench";
+    LimitTable = Limits;
+    PersonFile = Person, load_person "A person";
+    Wearer = Wearer;
+    WireFile = Wire, load_wire "A wire";
+    AlloyFile = Alloy, load_alloy "An alloy";
+    ActivationFile = Activation, load_activation "An activation";
+    TextureTable = Textures, load_textures "A table of textures";
+    Protocol = Protocol, load_protocol "A protocol";
+}
+
+impl<T: Settings> Loaded<T> {
+    /// What a text says, beside it.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: Source) -> Result<Self, FileError> {
+        let value = T::of(&source)?;
+        Ok(Self { value, source })
+    }
+
+    /// The file of a name or path.
+    pub(super) fn named(name: &str) -> Result<Self, FileError> {
+        Self::read(resolve(T::KIND, name)?)
+    }
 }
 
 impl<T> Loaded<T> {
     /// The file that stands under `key` of this one.
-    pub(super) fn refer<U>(
-        &self,
-        kind: FileKind,
-        read: Read<U>,
-        name: &str,
-        key: &str,
-    ) -> Result<Loaded<U>, FileError> {
-        load(resolve_from(kind, name, &self.source, key)?, read)
+    pub(super) fn refer<U: Settings>(&self, name: &str, key: &str) -> Result<Loaded<U>, FileError> {
+        Loaded::read(resolve_from(U::KIND, name, &self.source, key)?)
     }
-}
-
-/// A scene by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_scene(name: &str) -> Result<Loaded<Scene>, FileError> {
-    load(resolve(FileKind::Scene, name)?, Scene::read)
-}
-
-/// A layout of either kind by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_layout(name: &str) -> Result<Loaded<LayoutFile>, FileError> {
-    load(resolve(FileKind::Layout, name)?, LayoutFile::read)
-}
-
-/// A bench by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_bench(name: &str) -> Result<Loaded<Bench>, FileError> {
-    load(resolve(FileKind::Bench, name)?, Bench::read)
-}
-
-/// A limit table by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_limits(name: &str) -> Result<Loaded<LimitTable>, FileError> {
-    load(resolve(FileKind::Limits, name)?, LimitTable::read)
-}
-
-/// A person by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_person(name: &str) -> Result<Loaded<PersonFile>, FileError> {
-    load(resolve(FileKind::Person, name)?, PersonFile::read)
-}
-
-/// A protocol by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_protocol(name: &str) -> Result<Loaded<Protocol>, FileError> {
-    load(resolve(FileKind::Protocol, name)?, Protocol::read)
-}
-
-/// Reads an activation: a built-in name or a file.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> {
-    load(resolve(FileKind::Activation, name)?, ActivationFile::read)
-}
-
-/// A table of textures by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
-    load(resolve(FileKind::Textures, name)?, TextureTable::read)
-}
-
-/// An alloy by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_alloy(name: &str) -> Result<Loaded<AlloyFile>, FileError> {
-    load(resolve(FileKind::Alloy, name)?, AlloyFile::read)
-}
-
-/// A wire by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_wire(name: &str) -> Result<Loaded<WireFile>, FileError> {
-    load(resolve(FileKind::Wire, name)?, WireFile::read)
 }
 
 impl Loaded<Protocol> {
@@ -150,7 +119,7 @@ impl Loaded<Protocol> {
         };
         let place = self.value.conditions.iter().position(|c| c == condition);
         let key = format!("conditions[{}].scene", place.unwrap_or(0));
-        let scene = self.refer(FileKind::Scene, Scene::read, name, &key)?;
+        let scene: Loaded<Scene> = self.refer(name, &key)?;
         scene.with(&condition.overrides()?).map(Some)
     }
 }

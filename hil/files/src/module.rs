@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 use super::transducer::Transducer;
 
@@ -186,7 +187,10 @@ impl SkinModule {
         let at = |name: &str| format!("{key}.{name}");
         self.check_shape(source, key)?;
         if let Some(repeat) = self.repeat {
-            repeat.check(source, &at("repeat"))?;
+            bounds!(source, &at("repeat"), repeat;
+                rows: 1..=256;
+                columns: 1..=256;
+                step_mm: 0.01..=1e4, "mm")?;
             if self.bus.is_some() || self.image.is_some() {
                 return Err(source.bad(&at("repeat"), "no bus and no image: copies share neither"));
             }
@@ -194,7 +198,7 @@ impl SkinModule {
         let count = self.places().len();
         for (position, index) in self.inactive.iter().enumerate() {
             let here = at(&format!("inactive[{position}]"));
-            source.range(&here, *index, 0..=count - 1, "")?;
+            source.range(&here, index, 0..=count - 1, "")?;
             if self.inactive[..position].contains(index) {
                 return Err(source.bad(&here, "every taxel once"));
             }
@@ -202,9 +206,7 @@ impl SkinModule {
         if self.readings() == 0 {
             return Err(source.bad(&at("inactive"), "at least one taxel that is read"));
         }
-        for (axis, value) in self.place_mm.into_iter().enumerate() {
-            source.range(&at(&format!("place_mm[{axis}]")), value, -1e5..=1e5, "mm")?;
-        }
+        bounds!(source, key, self; place_mm: -1e5..=1e5, "mm")?;
         self.check_boards(source, key, transducer)
     }
 
@@ -267,31 +269,18 @@ impl SkinModule {
             };
             return Err(source.bad(&at("boards"), expected));
         }
-        for (position, board) in self.boards.iter().enumerate() {
-            source.range(&at(&format!("boards[{position}]")), *board, 0..=15, "")?;
-        }
-        Ok(())
+        bounds!(source, key, self; boards: 0..=15)
     }
 }
 
 impl Grid {
     fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
-        source.range(&format!("{key}.rows"), self.rows, 1..=4096, "")?;
-        source.range(&format!("{key}.columns"), self.columns, 1..=4096, "")?;
-        source.range(&format!("{key}.pitch_mm"), self.pitch_mm, 0.01..=1e3, "mm")?;
+        bounds!(source, key, self;
+            rows: 1..=4096;
+            columns: 1..=4096;
+            pitch_mm: 0.01..=1e3, "mm")?;
         if self.rows * self.columns > MOST_TAXELS {
             return Err(source.bad(key, format!("at most {MOST_TAXELS} taxels")));
-        }
-        Ok(())
-    }
-}
-
-impl Repeat {
-    fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
-        source.range(&format!("{key}.rows"), self.rows, 1..=256, "")?;
-        source.range(&format!("{key}.columns"), self.columns, 1..=256, "")?;
-        for (axis, step) in self.step_mm.into_iter().enumerate() {
-            source.range(&format!("{key}.step_mm[{axis}]"), step, 0.01..=1e4, "mm")?;
         }
         Ok(())
     }
@@ -310,9 +299,7 @@ pub(super) fn places(
     }
     let mut seen = std::collections::BTreeMap::new();
     for (index, point) in points.iter().enumerate() {
-        for (axis, value) in point.iter().enumerate() {
-            source.range(&format!("{key}[{index}][{axis}]"), *value, -1e4..=1e4, "mm")?;
-        }
+        source.range(&format!("{key}[{index}]"), point, -1e4..=1e4, "mm")?;
         // Adding zero turns -0.0 into 0.0.
         if let Some(first) = seen.insert(point.map(|value| (value + 0.0).to_bits()), index) {
             let expected = format!("a place of its own, not that of number {first}");

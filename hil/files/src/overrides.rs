@@ -2,15 +2,20 @@
 
 use std::fmt::Display;
 
+use serde::{Deserialize, Serialize};
+
 use super::change::Change;
 use super::error::FileError;
 use super::scene::Scene;
 
 /// Changes to a scene and a bench, key by key. The last change of a key counts.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Overrides {
-    scene: Vec<Change>,
-    bench: Vec<Change>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) scene: Vec<Change>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) bench: Vec<Change>,
 }
 
 impl Overrides {
@@ -40,11 +45,6 @@ impl Overrides {
             None => return Err(FileError::whole(by, "KEY=VALUE", format!("`{text}`"))),
         }
         Ok(())
-    }
-
-    /// The bench's changes.
-    pub(super) fn of_bench(&self) -> Vec<Change> {
-        self.bench.clone()
     }
 
     /// The scene's changes, behind what they make meaningless in a file.

@@ -4,6 +4,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 /// The largest threshold that a file may state, um.
@@ -25,9 +26,9 @@ pub struct Spread {
 impl Spread {
     fn check(&self, source: &Source, key: &str, most: f64, unit: &str) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
-        source.range(&at("low"), self.low, 1e-3..=most, unit)?;
-        source.range(&at("high"), self.high, self.low..=most, unit)?;
-        source.range(&at("value"), self.value, self.low..=self.high, unit)
+        source.range(&at("low"), &self.low, 1e-3..=most, unit)?;
+        source.range(&at("high"), &self.high, self.low..=most, unit)?;
+        source.range(&at("value"), &self.value, self.low..=self.high, unit)
     }
 }
 
@@ -115,22 +116,17 @@ impl Wearer {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
-        for (key, um) in [
-            ("vibration_um", file.vibration_um),
-            ("flutter_um", file.flutter_um),
-        ] {
-            if let Some(um) = um {
-                source.range(key, um, 1e-3..=MOST_UM, "um")?;
-            }
-        }
+        bounds!(source, "", file;
+            vibration_um: 1e-3..=MOST_UM, "um";
+            flutter_um: 1e-3..=MOST_UM, "um")?;
         if file.threshold.len() != file.gain.len() {
             let expected = format!("{} thresholds, one a gain", file.gain.len());
             let found = file.threshold.len().to_string();
             return Err(source.bad_found("threshold", expected, found));
         }
-        for (wire, (&gain, &threshold)) in file.gain.iter().zip(&file.threshold).enumerate() {
+        for (wire, (gain, threshold)) in file.gain.iter().zip(&file.threshold).enumerate() {
             source.range(&format!("gain[{wire}]"), gain, 0.01..=1.0, "of full scale")?;
-            if !(0.0..gain).contains(&threshold) {
+            if !(0.0..*gain).contains(threshold) {
                 let expected = format!("from 0 to below the wire's full scale, its gain of {gain}");
                 return Err(source.bad(&format!("threshold[{wire}]"), expected));
             }
@@ -144,19 +140,10 @@ impl Wearer {
                 let expected = format!("{} intervals, one a gain", file.gain.len());
                 return Err(source.bad_found(key, expected, intervals.len().to_string()));
             }
+            let unit = "of full drive";
             for (wire, [low, high]) in intervals.iter().enumerate() {
-                source.range(
-                    &format!("{key}[{wire}][0]"),
-                    *low,
-                    0.0..=1.0,
-                    "of full drive",
-                )?;
-                source.range(
-                    &format!("{key}[{wire}][1]"),
-                    *high,
-                    *low..=1.0,
-                    "of full drive",
-                )?;
+                source.range(&format!("{key}[{wire}][0]"), low, 0.0..=1.0, unit)?;
+                source.range(&format!("{key}[{wire}][1]"), high, *low..=1.0, unit)?;
             }
         }
         Ok(file)

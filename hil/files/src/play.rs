@@ -4,6 +4,7 @@ use palpate_core::physics::{Alloy, DEEPEST, MOST_BESIDE, Play};
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 /// A share of a wire that transforms by bands of its own.
@@ -80,17 +81,14 @@ impl PlayEntry {
     }
 
     fn check(&self, source: &Source, index: usize) -> Result<(), FileError> {
-        let at = |key: &str| format!("plays[{index}].{key}");
-        let bands = [
-            ("heating_start_c", self.heating_start_c),
-            ("heating_finish_c", self.heating_finish_c),
-            ("cooling_start_c", self.cooling_start_c),
-            ("cooling_finish_c", self.cooling_finish_c),
-        ];
-        for (key, value) in bands {
-            source.range(&at(key), value, -200.0..=1000.0, "C")?;
-        }
-        let [(_, hot), (_, hottest), (_, cool), (_, coolest)] = bands;
+        let key = format!("plays[{index}]");
+        bounds!(source, &key, self;
+            heating_start_c: -200.0..=1000.0, "C";
+            heating_finish_c: -200.0..=1000.0, "C";
+            cooling_start_c: -200.0..=1000.0, "C";
+            cooling_finish_c: -200.0..=1000.0, "C")?;
+        let (hot, hottest) = (self.heating_start_c, self.heating_finish_c);
+        let (cool, coolest) = (self.cooling_start_c, self.cooling_finish_c);
         let order = [
             (
                 "heating_finish_c",
@@ -117,20 +115,15 @@ impl PlayEntry {
                 cool,
             ),
         ];
-        for (key, holds, expected, bound) in order {
+        for (name, holds, expected, bound) in order {
             if !holds {
-                return Err(source.bad(&at(key), format!("{expected}: {bound}")));
+                return Err(source.bad(&format!("{key}.{name}"), format!("{expected}: {bound}")));
             }
         }
-        let stress = self.reference_stress_mpa;
-        source.range(&at("reference_stress_mpa"), stress, 0.0..=2000.0, "MPa")?;
-        source.range(&at("stress_mpa_k"), self.stress_mpa_k, 0.1..=100.0, "MPa/K")?;
-        source.range(&at("strain"), self.strain, -MOST_STRAIN..=MOST_STRAIN, "")?;
-        source.range(
-            &at("latent_heat_j_kg"),
-            self.latent_heat_j_kg,
-            0.0..=1e5,
-            "J/kg",
-        )
+        bounds!(source, &key, self;
+            reference_stress_mpa: 0.0..=2000.0, "MPa";
+            stress_mpa_k: 0.1..=100.0, "MPa/K";
+            strain: -MOST_STRAIN..=MOST_STRAIN;
+            latent_heat_j_kg: 0.0..=1e5, "J/kg")
     }
 }

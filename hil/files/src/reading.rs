@@ -6,7 +6,7 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::FileError;
 use super::format::Format;
@@ -44,6 +44,23 @@ pub fn open(path: &Path, expected: &str) -> Result<File, FileError> {
         return Err(wrong("a terminal or a device".into()));
     }
     Ok(file)
+}
+
+/// What lies in a folder, in the order of names.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let read = || -> io::Result<Vec<PathBuf>> {
+        let entries = std::fs::read_dir(folder)?;
+        entries.map(|entry| Ok(entry?.path())).collect()
+    };
+    let mut paths = read().map_err(|e| {
+        let label = folder.display().to_string();
+        FileError::whole(label, "a readable folder", e.to_string())
+    })?;
+    paths.sort_unstable();
+    Ok(paths)
 }
 
 /// Whether a path names an open stream of this program.

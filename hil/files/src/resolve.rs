@@ -6,145 +6,80 @@ use super::error::FileError;
 use super::near::did_you_mean;
 use super::source::Source;
 
-/// The kinds of settings file; each has its own shelf of built-in names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FileKind {
+macro_rules! kinds {
+    (@) => { Default::default() };
+    (@ $built_in:expr) => { $built_in };
+    ($(
+        $(#[$doc:meta])*
+        $kind:ident = $name:literal $folder:literal $noun:literal $($text:ident $names:ident)?
+    ),+ $(,)?) => {
+        /// The kinds of settings file; each has its own shelf of built-in names.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum FileKind { $($(#[$doc])* $kind),+ }
+
+        impl FileKind {
+            /// Every kind.
+            pub const ALL: [Self; 12] = [$(Self::$kind),+];
+
+            /// Its name, as the schema of such files has it.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$kind => $name),+ }
+            }
+
+            /// The name of its shelf: that of the folder of the built-in ones.
+            #[must_use]
+            pub const fn folder(self) -> &'static str {
+                match self { $(Self::$kind => $folder),+ }
+            }
+
+            /// The kind with its article.
+            #[must_use]
+            pub const fn noun(self) -> &'static str {
+                match self { $(Self::$kind => $noun),+ }
+            }
+
+            pub(super) fn built_in(self, name: &str) -> Option<&'static str> {
+                match self { $(Self::$kind => kinds!(@ $(palpate_fixtures::$text(name))?)),+ }
+            }
+
+            /// The built-in names, in alphabetical order.
+            #[must_use]
+            pub fn names(self) -> Vec<&'static str> {
+                match self { $(Self::$kind => kinds!(@ $(palpate_fixtures::$names().collect())?)),+ }
+            }
+        }
+    };
+}
+
+kinds! {
     /// What touches the skin, and how it is projected.
-    Scene,
-    /// Where taxels or wires are.
-    Layout,
+    Scene = "scene" "scenes" "a scene" scene scene_names,
     /// Which hardware, emulated or real.
-    Bench,
+    Bench = "bench" "benches" "a bench" bench bench_names,
+    /// Where taxels or wires are.
+    Layout = "layout" "layouts" "a layout" layout layout_names,
     /// What the guard enforces.
-    Limits,
+    Limits = "limits" "limits" "a limit table" limits limits_names,
     /// The emulated person.
-    Person,
+    Person = "person" "persons" "a person" person person_names,
     /// A wearer's calibration.
-    Wearer,
+    Wearer = "wearer" "wearers" "a wearer" wearer wearer_names,
     /// A shape-memory wire.
-    Wire,
+    Wire = "wire" "wires" "a wire" wire wire_names,
     /// What it is made of.
-    Alloy,
+    Alloy = "alloy" "alloys" "an alloy" alloy alloy_names,
     /// From roughness to pulses.
-    Activation,
+    Activation = "activation" "activations" "an activation" activation activation_names,
     /// A table of textures.
-    Textures,
+    Textures = "textures" "textures" "a table of textures" textures textures_names,
     /// Trials that are known to fail.
-    Quarantine,
+    Quarantine = "quarantine" "quarantines" "a quarantine",
     /// A study with people.
-    Protocol,
+    Protocol = "protocol" "protocols" "a protocol" protocol protocol_names,
 }
 
 impl FileKind {
-    /// Every kind.
-    pub const ALL: [Self; 12] = [
-        Self::Scene,
-        Self::Bench,
-        Self::Layout,
-        Self::Limits,
-        Self::Person,
-        Self::Wearer,
-        Self::Wire,
-        Self::Alloy,
-        Self::Activation,
-        Self::Textures,
-        Self::Quarantine,
-        Self::Protocol,
-    ];
-
-    /// Its name, as the schema of such files has it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Layout => "layout",
-            Self::Bench => "bench",
-            Self::Limits => "limits",
-            Self::Person => "person",
-            Self::Wearer => "wearer",
-            Self::Wire => "wire",
-            Self::Alloy => "alloy",
-            Self::Activation => "activation",
-            Self::Textures => "textures",
-            Self::Quarantine => "quarantine",
-            Self::Protocol => "protocol",
-        }
-    }
-
-    /// The name of its shelf: that of the folder of the built-in ones.
-    #[must_use]
-    pub const fn folder(self) -> &'static str {
-        match self {
-            Self::Scene => "scenes",
-            Self::Layout => "layouts",
-            Self::Bench => "benches",
-            Self::Limits => "limits",
-            Self::Person => "persons",
-            Self::Wearer => "wearers",
-            Self::Wire => "wires",
-            Self::Alloy => "alloys",
-            Self::Activation => "activations",
-            Self::Textures => "textures",
-            Self::Quarantine => "quarantines",
-            Self::Protocol => "protocols",
-        }
-    }
-
-    /// The kind with its article.
-    #[must_use]
-    pub const fn noun(self) -> &'static str {
-        match self {
-            Self::Scene => "a scene",
-            Self::Layout => "a layout",
-            Self::Bench => "a bench",
-            Self::Limits => "a limit table",
-            Self::Person => "a person",
-            Self::Wearer => "a wearer",
-            Self::Wire => "a wire",
-            Self::Alloy => "an alloy",
-            Self::Activation => "an activation",
-            Self::Textures => "a table of textures",
-            Self::Quarantine => "a quarantine",
-            Self::Protocol => "a protocol",
-        }
-    }
-
-    pub(super) fn built_in(self, name: &str) -> Option<&'static str> {
-        match self {
-            Self::Scene => palpate_fixtures::scene(name),
-            Self::Layout => palpate_fixtures::layout(name),
-            Self::Bench => palpate_fixtures::bench(name),
-            Self::Limits => palpate_fixtures::limits(name),
-            Self::Person => palpate_fixtures::person(name),
-            Self::Wearer => palpate_fixtures::wearer(name),
-            Self::Wire => palpate_fixtures::wire(name),
-            Self::Alloy => palpate_fixtures::alloy(name),
-            Self::Activation => palpate_fixtures::activation(name),
-            Self::Textures => palpate_fixtures::textures(name),
-            Self::Quarantine => None,
-            Self::Protocol => palpate_fixtures::protocol(name),
-        }
-    }
-
-    /// The built-in names, in alphabetical order.
-    #[must_use]
-    pub fn names(self) -> Vec<&'static str> {
-        match self {
-            Self::Scene => palpate_fixtures::scene_names().collect(),
-            Self::Layout => palpate_fixtures::layout_names().collect(),
-            Self::Bench => palpate_fixtures::bench_names().collect(),
-            Self::Limits => palpate_fixtures::limits_names().collect(),
-            Self::Person => palpate_fixtures::person_names().collect(),
-            Self::Wearer => palpate_fixtures::wearer_names().collect(),
-            Self::Wire => palpate_fixtures::wire_names().collect(),
-            Self::Alloy => palpate_fixtures::alloy_names().collect(),
-            Self::Activation => palpate_fixtures::activation_names().collect(),
-            Self::Textures => palpate_fixtures::textures_names().collect(),
-            Self::Quarantine => Vec::new(),
-            Self::Protocol => palpate_fixtures::protocol_names().collect(),
-        }
-    }
-
     /// The name or file that was meant, as a question.
     fn meant(self, name: &str, folder: Option<&Path>) -> String {
         let folder = folder.unwrap_or_else(|| Path::new("."));

@@ -10,6 +10,7 @@ use super::felt::Felt;
 use super::finger::SceneFinger;
 use super::illusion::{Illusion, SceneStroke};
 use super::joint::{self, Joint};
+use super::settings::{bounds, settings};
 use super::source::Source;
 use super::stream::Stream;
 use super::touch::Touch;
@@ -44,166 +45,107 @@ pub const THRESHOLD_FLOOR: f64 = 20.0;
 /// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
 pub const DRIFT_S: f64 = 5.0;
 
-/// A scene. A file states what differs from [`Scene::default`], and its name and description.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
-#[serde(default, deny_unknown_fields)]
-pub struct Scene {
-    /// Lower case with hyphens.
-    pub name: String,
-    /// What happens, in a sentence.
-    pub description: String,
-    /// Simulated length in seconds.
-    pub length_s: f64,
-    /// A sensor layout: a built-in name or a file.
-    pub layout: String,
-    /// The sensor generation.
-    pub generation: Generation,
-    /// Frames per second.
-    pub rate_hz: f64,
-    /// Range from which each taxel draws its noise's standard deviation, in counts.
-    pub noise_lsb: [f64; 2],
-    /// Contact-free frames that make the reference; the next one makes the threshold.
-    pub reference_frames: u32,
-    /// What the contact threshold is found from.
-    pub threshold: ThresholdFrom,
-    /// Counts added to the threshold.
-    pub threshold_margin: f64,
-    /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
-    pub drift_s: Option<f64>,
-    /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
-    pub faulty_deviations: Option<f64>,
-    /// On a bench of one display: the module that drives it, counted from zero.
-    pub drives: usize,
-    /// On a bench of several displays: the modules of each, in place of `drives`.
-    pub fingers: Vec<SceneFinger>,
-    /// Angles of joints over time, kept in records; a finger may depend on them. None if left out.
-    pub joints: Vec<Joint>,
-    /// Contacts and levels.
-    pub compression: Compression,
-    /// Activations and timing.
-    pub illusion: Illusion,
-    /// From skin to display.
-    pub map: Map,
-    /// The sensor boards on their buses.
-    pub boards: Boards,
-    /// The way of readings that another machine takes and sends; left out: boards on buses, where the layout has any.
-    pub stream: Option<Stream>,
-    /// What touches the skin; nothing if left out.
-    pub touches: Vec<Touch>,
-    /// What is touched is made of, for a bench with a Peltier module; skin at rest where nothing is said.
-    pub materials: Vec<SceneMaterial>,
-    /// Strokes over the only display of a bench that are known beforehand; none if left out.
-    pub strokes: Vec<SceneStroke>,
-    /// The texture that is felt on the only display of a bench; none if left out.
-    pub texture: Option<Felt>,
-    /// What goes wrong on an emulated bench; nothing if left out.
-    pub faults: Vec<Fault>,
-    /// What a test of this scene checks.
-    pub expect: Expect,
-}
+settings! {
+    /// A scene. A file states what differs from [`Scene::default`], and its name and description.
+    #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
+    pub struct Scene {
+        /// Lower case with hyphens.
+        pub name: String,
+        /// What happens, in a sentence.
+        pub description: String,
+        /// Simulated length in seconds.
+        pub length_s: f64 = 10.0,
+        /// A sensor layout: a built-in name or a file.
+        pub layout: String = "uskin-4x4".into(),
+        /// The sensor generation.
+        pub generation: Generation = Generation::Current,
+        /// Frames per second.
+        pub rate_hz: f64 = 100.0,
+        /// Range from which each taxel draws its noise's standard deviation, in counts.
+        pub noise_lsb: [f64; 2] = [1.0, 2.3],
+        /// Contact-free frames that make the reference; the next one makes the threshold.
+        pub reference_frames: u32 = 50,
+        /// What the contact threshold is found from.
+        pub threshold: ThresholdFrom = ThresholdFrom::PerTaxel,
+        /// Counts added to the threshold.
+        pub threshold_margin: f64 = 10.0,
+        /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
+        pub drift_s: Option<f64>,
+        /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
+        pub faulty_deviations: Option<f64>,
+        /// On a bench of one display: the module that drives it, counted from zero.
+        pub drives: usize = 0,
+        /// On a bench of several displays: the modules of each, in place of `drives`.
+        pub fingers: Vec<SceneFinger>,
+        /// Angles of joints over time, kept in records; a finger may depend on them. None if left out.
+        pub joints: Vec<Joint>,
+        /// Contacts and levels.
+        pub compression: Compression,
+        /// Activations and timing.
+        pub illusion: Illusion,
+        /// From skin to display.
+        pub map: Map,
+        /// The sensor boards on their buses.
+        pub boards: Boards,
+        /// The way of readings that another machine takes and sends; left out: boards on buses, where the layout has any.
+        pub stream: Option<Stream>,
+        /// What touches the skin; nothing if left out.
+        pub touches: Vec<Touch>,
+        /// What is touched is made of, for a bench with a Peltier module; skin at rest where nothing is said.
+        pub materials: Vec<SceneMaterial>,
+        /// Strokes over the only display of a bench that are known beforehand; none if left out.
+        pub strokes: Vec<SceneStroke>,
+        /// The texture that is felt on the only display of a bench; none if left out.
+        pub texture: Option<Felt>,
+        /// What goes wrong on an emulated bench; nothing if left out.
+        pub faults: Vec<Fault>,
+        /// What a test of this scene checks.
+        pub expect: Expect,
+    }
 
-impl Default for Scene {
     /// Ten seconds of a flat module that nothing touches, without a name.
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            description: String::new(),
-            length_s: 10.0,
-            layout: "uskin-4x4".into(),
-            generation: Generation::Current,
-            rate_hz: 100.0,
-            noise_lsb: [1.0, 2.3],
-            reference_frames: 50,
-            threshold: ThresholdFrom::PerTaxel,
-            threshold_margin: 10.0,
-            drift_s: None,
-            faulty_deviations: None,
-            drives: 0,
-            fingers: Vec::new(),
-            joints: Vec::new(),
-            compression: Compression::default(),
-            illusion: Illusion::default(),
-            map: Map::default(),
-            boards: Boards::default(),
-            stream: None,
-            touches: Vec::new(),
-            materials: Vec::new(),
-            strokes: Vec::new(),
-            texture: None,
-            faults: Vec::new(),
-            expect: Expect::default(),
-        }
+    default
+}
+
+settings! {
+    /// Contact compression.
+    #[derive(Copy)]
+    pub struct Compression {
+        /// Most contacts per frame.
+        pub kc: u32 = 1,
+        /// Intensity levels.
+        pub ki: u32 = 10,
+        /// Where levels are found.
+        pub levels: LevelsFrom = LevelsFrom::Static,
+        /// Weight = norm to this power.
+        pub weight_exponent: f64 = 2.0,
+        /// The weight's norm.
+        #[serde(with = "words::Norm")]
+        pub norm: Norm = Norm::L2,
+        /// The axes that count.
+        #[serde(with = "words::axes")]
+        #[cfg_attr(test, schemars(with = "words::Axes"))]
+        pub axes: Axes = Axes::XYZ,
+        /// Where `kc` and `ki` apply.
+        #[serde(with = "words::Scope")]
+        pub scope: Scope = Scope::Module,
+        /// Most iterations of K-means per frame.
+        pub iterations: u32 = 32,
     }
 }
 
-/// Contact compression.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Compression {
-    /// Most contacts per frame.
-    pub kc: u32,
-    /// Intensity levels.
-    pub ki: u32,
-    /// Where levels are found.
-    pub levels: LevelsFrom,
-    /// Weight = norm to this power.
-    pub weight_exponent: f64,
-    /// The weight's norm.
-    #[serde(with = "words::Norm")]
-    pub norm: Norm,
-    /// The axes that count.
-    #[serde(with = "words::axes")]
-    #[cfg_attr(test, schemars(with = "words::Axes"))]
-    pub axes: Axes,
-    /// Where `kc` and `ki` apply.
-    #[serde(with = "words::Scope")]
-    pub scope: Scope,
-    /// Most iterations of K-means per frame.
-    pub iterations: u32,
-}
-
-impl Default for Compression {
-    fn default() -> Self {
-        Self {
-            kc: 1,
-            ki: 10,
-            levels: LevelsFrom::Static,
-            weight_exponent: 2.0,
-            norm: Norm::L2,
-            axes: Axes::XYZ,
-            scope: Scope::Module,
-            iterations: 32,
-        }
-    }
-}
-
-/// The linear map from skin to display. Contacts outside what it shows are not felt.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct Map {
-    /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
-    pub sensor_mm: Option<[f64; 4]>,
-    /// Width and height of a window that follows what happens on a larger skin and fills the display; left out: it
-    /// stays.
-    pub window_mm: Option<[f64; 2]>,
-    /// The window moves to a contact outside that is stronger than all inside together by this share.
-    pub hysteresis: f64,
-    /// The display layout this scene needs; left out: whatever the bench carries.
-    pub display: Option<String>,
-}
-
-impl Default for Map {
-    fn default() -> Self {
-        Self {
-            sensor_mm: None,
-            window_mm: None,
-            hysteresis: 0.25,
-            display: None,
-        }
+settings! {
+    /// The linear map from skin to display. Contacts outside what it shows are not felt.
+    pub struct Map {
+        /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
+        pub sensor_mm: Option<[f64; 4]>,
+        /// Width and height of a window that follows what happens on a larger skin and fills the display; left out: it
+        /// stays.
+        pub window_mm: Option<[f64; 2]>,
+        /// The window moves to a contact outside that is stronger than all inside together by this share.
+        pub hysteresis: f64 = 0.25,
+        /// The display layout this scene needs; left out: whatever the bench carries.
+        pub display: Option<String>,
     }
 }
 
@@ -245,12 +187,16 @@ impl Scene {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let mut scene: Self = source.read()?;
         source.heading(&scene.name, &scene.description)?;
-        source.range("length_s", scene.length_s, 0.01..=86_400.0, "s")?;
+        bounds!(source, "", scene; length_s: 0.01..=86_400.0, "s")?;
         for touch in &mut scene.touches {
             touch.last(scene.length_s);
         }
         scene.check_skin(source)?;
-        scene.compression.check(source)?;
+        bounds!(source, "compression", scene.compression;
+            kc: 1..=1024;
+            ki: 1..=256;
+            weight_exponent: 0.0..=16.0;
+            iterations: 1..=1000)?;
         scene.illusion.check(source)?;
         scene.check_map(source)?;
         if let Some(stream) = &scene.stream {
@@ -258,7 +204,10 @@ impl Scene {
         }
         joint::check(&scene.joints, source)?;
         scene.check_events(source)?;
-        scene.expect.check(source)?;
+        bounds!(source, "expect", scene.expect;
+            path_rmse_mm: 0.0..=1e4, "mm";
+            path_max_mm: 0.0..=1e4, "mm";
+            felt_rmse_mm: 0.0..=1e4, "mm")?;
         Ok(scene)
     }
 
@@ -276,20 +225,15 @@ impl Scene {
     }
 
     fn check_skin(&self, source: &Source) -> Result<(), FileError> {
-        source.range("rate_hz", self.rate_hz, 0.1..=10_000.0, "Hz")?;
+        bounds!(source, "", self; rate_hz: 0.1..=10_000.0, "Hz")?;
         let [low, high] = self.noise_lsb;
-        source.range("noise_lsb", low, 0.0..=1000.0, "counts")?;
-        source.range("noise_lsb", high, low..=1000.0, "counts (the lower end)")?;
-        source.range("reference_frames", self.reference_frames, 1..=100_000, "")?;
-        let margin = self.threshold_margin;
-        source.range("threshold_margin", margin, 0.0..=65_535.0, "counts")?;
-        if let Some(constant) = self.drift_s {
-            source.range("drift_s", constant, 0.01..=86_400.0, "s")?;
-        }
-        if let Some(k) = self.faulty_deviations {
-            source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
-        }
-        Ok(())
+        source.range("noise_lsb", &low, 0.0..=1000.0, "counts")?;
+        source.range("noise_lsb", &high, low..=1000.0, "counts (the lower end)")?;
+        bounds!(source, "", self;
+            reference_frames: 1..=100_000;
+            threshold_margin: 0.0..=65_535.0, "counts";
+            drift_s: 0.01..=86_400.0, "s";
+            faulty_deviations: 0.1..=1000.0)
     }
 
     /// What happens: touches, textures, strokes, faults.
@@ -326,50 +270,19 @@ impl Scene {
     }
 
     fn check_map(&self, source: &Source) -> Result<(), FileError> {
-        source.range("map.hysteresis", self.map.hysteresis, 0.0..=100.0, "")?;
-        if let Some(window) = self.map.window_mm {
-            for (axis, size) in window.into_iter().enumerate() {
-                source.range(&format!("map.window_mm[{axis}]"), size, 0.01..=1e4, "mm")?;
+        bounds!(source, "map", self.map;
+            hysteresis: 0.0..=100.0;
+            window_mm: 0.01..=1e4, "mm")?;
+        if self.map.window_mm.is_some() && self.map.sensor_mm.is_some() {
+            let expected = "map.sensor_mm, which stays, or map.window_mm, which follows";
+            return Err(source.bad("map.window_mm", expected));
+        }
+        bounds!(source, "map", self.map; sensor_mm: -1e4..=1e4, "mm")?;
+        match self.map.sensor_mm {
+            Some([left, bottom, right, top]) if left >= right || bottom >= top => {
+                Err(source.bad("map.sensor_mm", "[left, bottom, right, top] with an area"))
             }
-            if self.map.sensor_mm.is_some() {
-                let expected = "map.sensor_mm, which stays, or map.window_mm, which follows";
-                return Err(source.bad("map.window_mm", expected));
-            }
+            _ => Ok(()),
         }
-        let Some([left, bottom, right, top]) = self.map.sensor_mm else {
-            return Ok(());
-        };
-        for (corner, value) in [left, bottom, right, top].into_iter().enumerate() {
-            source.range(&format!("map.sensor_mm[{corner}]"), value, -1e4..=1e4, "mm")?;
-        }
-        if left >= right || bottom >= top {
-            return Err(source.bad("map.sensor_mm", "[left, bottom, right, top] with an area"));
-        }
-        Ok(())
-    }
-}
-
-impl Compression {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        source.range("compression.kc", self.kc, 1..=1024, "")?;
-        source.range("compression.ki", self.ki, 1..=256, "")?;
-        let exponent = self.weight_exponent;
-        source.range("compression.weight_exponent", exponent, 0.0..=16.0, "")?;
-        source.range("compression.iterations", self.iterations, 1..=1000, "")
-    }
-}
-
-impl Expect {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        for (key, value) in [
-            ("expect.path_rmse_mm", self.path_rmse_mm),
-            ("expect.path_max_mm", self.path_max_mm),
-            ("expect.felt_rmse_mm", self.felt_rmse_mm),
-        ] {
-            if let Some(value) = value {
-                source.range(key, value, 0.0..=1e4, "mm")?;
-            }
-        }
-        Ok(())
     }
 }

@@ -13,7 +13,6 @@ use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
 use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
-use super::resolve::FileKind;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
@@ -161,18 +160,15 @@ impl Setup {
 }
 
 pub(super) fn limits_of(bench: &Loaded<Bench>) -> Result<Loaded<LimitTable>, FileError> {
-    let table = &bench.value.limits;
-    bench.refer(FileKind::Limits, LimitTable::read, table, "limits")
+    bench.refer(&bench.value.limits, "limits")
 }
 
 pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileError> {
-    let alloy = &bench.value.wire.alloy;
-    bench.refer(FileKind::Alloy, AlloyFile::read, alloy, "wire.alloy")
+    bench.refer(&bench.value.wire.alloy, "wire.alloy")
 }
 
 pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileError> {
-    let wire = &bench.value.wire.kind;
-    bench.refer(FileKind::Wire, WireFile::read, wire, "wire.kind")
+    bench.refer(&bench.value.wire.kind, "wire.kind")
 }
 
 /// Wire and alloy of a bench, which fit each other and the mount.
@@ -219,16 +215,8 @@ pub(super) fn texture_of(
 /// What a texture section names.
 fn stroked(scene: &Loaded<Scene>, felt: &Felt, section: &str) -> Result<Stroked, FileError> {
     let at = |key: &str| format!("{section}.{key}");
-    let read = ActivationFile::read;
-    let activation = scene.refer(
-        FileKind::Activation,
-        read,
-        &felt.activation,
-        &at("activation"),
-    )?;
-    let read = TextureTable::read;
-    let table = scene.refer(FileKind::Textures, read, &felt.table, &at("table"))?;
-    let table = table.value;
+    let activation = scene.refer(&felt.activation, &at("activation"))?;
+    let table: TextureTable = scene.refer(&felt.table, &at("table"))?.value;
     let names: Vec<String> = table.texture.iter().map(|t| t.name.clone()).collect();
     let surface = felt.surface.as_ref().map(|name| {
         let found = table.texture.into_iter().find(|t| t.name == *name);
@@ -251,11 +239,9 @@ pub(super) type People = (Loaded<PersonFile>, Option<Loaded<Wearer>>);
 
 pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
     let illusion = &scene.value.illusion;
-    let (read, key) = (PersonFile::read, "illusion.person");
-    let person = scene.refer(FileKind::Person, read, &illusion.person, key)?;
+    let person = scene.refer(&illusion.person, "illusion.person")?;
     let wearer = illusion.wearer.as_ref();
-    let wearer =
-        wearer.map(|name| scene.refer(FileKind::Wearer, Wearer::read, name, "illusion.wearer"));
+    let wearer = wearer.map(|name| scene.refer(name, "illusion.wearer"));
     Ok((person, wearer.transpose()?))
 }
 
@@ -265,8 +251,7 @@ pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
 /// What cannot be in its layout, or does not fit the scene.
 pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
     let name = &scene.value.layout;
-    let Loaded { value, source } =
-        scene.refer(FileKind::Layout, LayoutFile::read, name, "layout")?;
+    let Loaded { value, source } = scene.refer::<LayoutFile>(name, "layout")?;
     let LayoutFile::Sensor(mut sensor) = value else {
         let expected = "a layout of kind \"sensor\"";
         let found = format!("the display `{name}`");

@@ -1,30 +1,32 @@
-//! What there is: built-in files and those of a folder, each with a line that says what it is.
+//! What there is: built-in files, those of a folder and laws of illusion, each with a line that says what it is.
 
 use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 
 use super::check::kind_of;
 use super::placeholder;
 use super::resolve::FileKind;
 use super::source::Source;
 
-/// A settings file that can be named.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A settings file or a law of illusion, as a list has it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Listed {
-    /// What it is.
-    pub kind: FileKind,
+    /// Its own description.
+    pub description: String,
+    /// Where it lies; none for what is built in.
+    pub file: Option<PathBuf>,
+    /// The name of its [`FileKind`], or `illusion`.
+    pub kind: &'static str,
     /// What to type: a built-in name, or a path.
     pub name: String,
-    /// The file's own description.
-    pub description: String,
-    /// Where it lies; none for a built-in one.
-    pub file: Option<PathBuf>,
 }
 
 /// The built-in files of a kind, in alphabetical order.
 #[must_use]
 pub fn built_in(kind: FileKind) -> Vec<Listed> {
     let listed = |name: &'static str| Listed {
-        kind,
+        kind: kind.name(),
         name: name.into(),
         description: kind.built_in(name).map_or_else(String::new, |text| {
             description(&Source::new(name, text)).unwrap_or_default()
@@ -64,22 +66,26 @@ fn listed(path: &Path) -> Option<Listed> {
     // What lies here is named as people type it.
     let path = path.strip_prefix(".").unwrap_or(path);
     Some(Listed {
-        kind: kind_of(&source).ok()?,
+        kind: kind_of(&source).ok()?.name(),
         description: description(&source)?,
         name: path.to_str()?.to_owned(),
         file: Some(path.to_path_buf()),
     })
 }
 
-/// The laws of illusion: name and meaning.
+/// The laws of illusion.
 #[must_use]
-pub fn illusions() -> Vec<(String, String)> {
+pub fn illusions() -> Vec<Listed> {
     let schema = placeholder::schema(FileKind::Scene).unwrap_or_default();
     let laws = schema["$defs"]["IllusionModel"]["oneOf"].as_array();
     let law = |law: &serde_json::Value| {
         let text = |key: &str| law[key].as_str().map(str::to_owned);
-        let meaning = text("description")?;
-        Some((text("const")?, meaning.trim_end_matches('.').to_owned()))
+        Some(Listed {
+            kind: "illusion",
+            name: text("const")?,
+            description: text("description")?.trim_end_matches('.').to_owned(),
+            file: None,
+        })
     };
     laws.into_iter().flatten().filter_map(law).collect()
 }

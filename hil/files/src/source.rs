@@ -13,6 +13,7 @@ use super::error::FileError;
 use super::format::Format;
 use super::plain;
 use super::reading::{MOST_SETTINGS, read_text};
+use super::settings::Bounded;
 use super::wording::expectation;
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
@@ -67,10 +68,18 @@ impl Source {
         &self.label
     }
 
-    /// The text itself, for digests.
+    /// The text itself.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The values alone, in the order of their keys, as TOML: texts that differ by comments, spaces or the order of keys
+    /// have the same. Of a text that is no TOML, the text.
+    #[must_use]
+    pub fn values(&self) -> String {
+        let table: Result<toml::Table, _> = self.text.parse();
+        table.map_or_else(|_| self.text.clone(), |table| table.to_string())
     }
 
     /// The folder that relative names in this file start from; none for a built-in file.
@@ -243,20 +252,20 @@ impl Source {
         self.text.get(self.spans(key)?.1?)
     }
 
-    /// `value` must lie in `range`.
-    pub(super) fn range<T: PartialOrd + Display>(
+    /// `value`, or each of its numbers, must lie in `range`.
+    pub(super) fn range<T: Bounded<Number: Display>>(
         &self,
         key: &str,
-        value: T,
-        range: RangeInclusive<T>,
+        value: &T,
+        range: RangeInclusive<T::Number>,
         unit: &str,
     ) -> Result<(), FileError> {
-        if range.contains(&value) {
+        let Some(key) = value.outside(key, &range) else {
             return Ok(());
-        }
+        };
         let space = if unit.is_empty() { "" } else { " " };
         let (low, high) = range.into_inner();
-        Err(self.bad(key, format!("a number from {low} to {high}{space}{unit}")))
+        Err(self.bad(&key, format!("a number from {low} to {high}{space}{unit}")))
     }
 
     /// The file's own name and description: lower case with hyphens, and not empty.

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 
 /// A table of textures.
@@ -68,11 +69,10 @@ impl TextureTable {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
-        if let Some(taxel) = file.dead_taxel {
-            source.range("dead_taxel", taxel, 0..=15, "")?;
-        }
+        bounds!(source, "", file; dead_taxel: 0..=15)?;
         for (i, texture) in file.texture.iter().enumerate() {
-            let at = |key: &str| format!("texture[{i}].{key}");
+            let key = format!("texture[{i}]");
+            let at = |name: &str| format!("{key}.{name}");
             let word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
             let earlier = &file.texture[..i];
             if texture.name.is_empty() || !texture.name.chars().all(word) {
@@ -81,31 +81,18 @@ impl TextureTable {
             if earlier.iter().any(|t| t.name == texture.name) {
                 return Err(source.bad(&at("name"), "a name that no other texture here has"));
             }
-            let numbers = [
-                (
-                    "stiffness_n_per_mm",
-                    texture.stiffness_n_per_mm,
-                    0.01..=1e4,
-                    "N/mm",
-                ),
-                ("relief_um", texture.relief_um, 0.0..=5e3, "um"),
-                ("wavelength_mm", texture.wavelength_mm, 0.01..=100.0, "mm"),
-                ("octaves", texture.octaves, 0.0..=10.0, ""),
-                ("friction", texture.friction, 0.0..=10.0, ""),
-                ("finger_friction", texture.finger_friction, 0.0..=10.0, ""),
-            ];
-            for (key, value, range, unit) in numbers {
-                source.range(&at(key), value, range, unit)?;
-            }
-            let Some(rated) = texture.rated else {
-                continue;
-            };
-            for (key, value) in [
-                ("rated.hardness", rated.hardness),
-                ("rated.roughness", rated.roughness),
-                ("rated.friction", rated.friction),
-            ] {
-                source.range(&at(key), value, 1.0..=6.0, "")?;
+            bounds!(source, &key, texture;
+                stiffness_n_per_mm: 0.01..=1e4, "N/mm";
+                relief_um: 0.0..=5e3, "um";
+                wavelength_mm: 0.01..=100.0, "mm";
+                octaves: 0.0..=10.0;
+                friction: 0.0..=10.0;
+                finger_friction: 0.0..=10.0)?;
+            if let Some(rated) = texture.rated {
+                bounds!(source, &at("rated"), rated;
+                    hardness: 1.0..=6.0;
+                    roughness: 1.0..=6.0;
+                    friction: 1.0..=6.0)?;
             }
         }
         Ok(file)

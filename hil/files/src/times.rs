@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use palpate_core::statistics::quantile;
+
 /// Longest recording, as the longest scene: a slip in a time must not make a run of years.
 pub const LONGEST_US: u64 = 86_400_000_000;
 /// Further apart, two rows are no longer one recording: the clock was set between them.
@@ -225,7 +227,7 @@ impl Times {
     pub(super) fn looks_like(&self) -> Option<String> {
         let mut steps = self.steps.clone();
         steps.sort_unstable();
-        let median = *steps.get(steps.len() / 2)?;
+        let median = quantile(&steps, 0.5)?.above;
         if steps.len() < 2 {
             return None;
         }

@@ -7,6 +7,7 @@ use core::f64::consts::TAU;
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::settings::bounds;
 use super::source::Source;
 pub use hand::{HandSample, MOST_SAMPLES, check_sample};
 
@@ -182,14 +183,10 @@ impl Touch {
     /// Checks the touch that stands under `key`.
     pub(super) fn check(&self, source: &Source, key: &str, length_s: f64) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
-        source.range(&at("diameter_mm"), self.diameter_mm, 0.5..=500.0, "mm")?;
-        source.range(&at("start_s"), self.start_s, 0.0..=length_s, "s")?;
-        source.range(
-            &at("end_s"),
-            self.end_s,
-            0.0..=length_s,
-            "s (the scene's length)",
-        )?;
+        bounds!(source, key, self;
+            diameter_mm: 0.5..=500.0, "mm";
+            start_s: 0.0..=length_s, "s";
+            end_s: 0.0..=length_s, "s (the scene's length)")?;
         if self.end_s <= self.start_s {
             return Err(source.bad(
                 &at("end_s"),
@@ -206,21 +203,11 @@ impl Touch {
             return Err(source.bad(&at("force_n"), "a force, such as { mean = 0.7 }"));
         }
         let longest = (self.end_s - self.start_s) / 2.0;
-        source.range(&at("ramp_s"), self.ramp_s, 0.001..=longest, "s")?;
-        source.range(&at("force_n.mean"), self.force_n.mean, 0.0..=20.0, "N")?;
-        let mean = self.force_n.mean;
-        source.range(
-            &at("force_n.amplitude"),
-            self.force_n.amplitude,
-            0.0..=mean,
-            "N (the mean)",
-        )?;
-        source.range(
-            &at("force_n.period_s"),
-            self.force_n.period_s,
-            0.01..=3600.0,
-            "s",
-        )?;
+        bounds!(source, key, self;
+            ramp_s: 0.001..=longest, "s";
+            force_n.mean: 0.0..=20.0, "N";
+            force_n.amplitude: 0.0..=self.force_n.mean, "N (the mean)";
+            force_n.period_s: 0.01..=3600.0, "s")?;
         self.path.check(source, &at("path"))
     }
 }
@@ -261,16 +248,7 @@ impl Path {
         if !points.contains(&self.points_mm.len()) {
             return Err(source.bad(&at("points_mm"), expected));
         }
-        for (index, [x, y]) in self.points_mm.iter().enumerate() {
-            for (axis, value) in [x, y].into_iter().enumerate() {
-                source.range(
-                    &at(&format!("points_mm[{index}][{axis}]")),
-                    *value,
-                    -1e3..=1e3,
-                    "mm",
-                )?;
-            }
-        }
+        bounds!(source, key, self; points_mm: -1e3..=1e3, "mm")?;
         let moves = self
             .points_mm
             .windows(2)
@@ -289,19 +267,13 @@ impl Path {
                 return Err(source.bad(&at(name), "this key for circles only"));
             }
         }
-        for (axis, value) in self.centre_mm.iter().flatten().enumerate() {
-            source.range(&at(&format!("centre_mm[{axis}]")), *value, -1e3..=1e3, "mm")?;
+        bounds!(source, key, self;
+            centre_mm: -1e3..=1e3, "mm";
+            radius_mm: 0.01..=1e3, "mm")?;
+        if self.period_s.is_some() && self.kind == PathKind::Hold {
+            return Err(source.bad(&at("period_s"), "no period for a hold"));
         }
-        if let Some(radius) = self.radius_mm {
-            source.range(&at("radius_mm"), radius, 0.01..=1e3, "mm")?;
-        }
-        if let Some(period) = self.period_s {
-            if self.kind == PathKind::Hold {
-                return Err(source.bad(&at("period_s"), "no period for a hold"));
-            }
-            source.range(&at("period_s"), period, 0.01..=3600.0, "s")?;
-        }
-        Ok(())
+        bounds!(source, key, self; period_s: 0.01..=3600.0, "s")
     }
 }
 

@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use super::error::FileError;
 use super::play::{PlayEntry, check_plays};
+use super::settings::bounds;
 use super::source::Source;
 
 /// A wire, its alloy left open.
@@ -163,146 +164,18 @@ impl AlloyFile {
                 alloy.austenite_start_c,
             ),
         ];
-        source.range(
-            "martensite_finish_c",
-            alloy.martensite_finish_c,
-            -200.0..=1000.0,
-            "C",
-        )?;
+        bounds!(source, "", alloy; martensite_finish_c: -200.0..=1000.0, "C")?;
         for (key, value, below) in order {
-            source.range(key, value, -200.0..=1000.0, "C")?;
+            source.range(key, &value, -200.0..=1000.0, "C")?;
             if value <= below {
                 let order = format!("more than {below}: Mf < Ms < As < Af");
                 return Err(source.bad(key, order));
             }
         }
-        source.range(
-            "reference_stress_mpa",
-            alloy.reference_stress_mpa,
-            0.0..=2000.0,
-            "MPa",
-        )?;
-        source.range("stress_mpa_k", alloy.stress_mpa_k, 0.1..=100.0, "MPa/K")?;
+        bounds!(source, "", alloy;
+            reference_stress_mpa: 0.0..=2000.0, "MPa";
+            stress_mpa_k: 0.1..=100.0, "MPa/K")?;
         Ok(alloy)
-    }
-}
-
-/// Numbers under one table of the file: each with its key and what it may be.
-fn ranges(source: &Source, rows: &[(&str, f64, [f64; 2], &str)]) -> Result<(), FileError> {
-    for &(key, value, [low, high], unit) in rows {
-        source.range(key, value, low..=high, unit)?;
-    }
-    Ok(())
-}
-
-impl Electrical {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        ranges(
-            source,
-            &[
-                (
-                    "electrical.resistance_ohm",
-                    self.resistance_ohm,
-                    [0.01, 1000.0],
-                    "Ohm",
-                ),
-                ("electrical.wire_share", self.wire_share, [0.0, 1.0], ""),
-                (
-                    "electrical.austenite_ratio",
-                    self.austenite_ratio,
-                    [0.2, 5.0],
-                    "",
-                ),
-                (
-                    "electrical.per_kelvin",
-                    self.per_kelvin,
-                    [-0.01, 0.01],
-                    "1/K",
-                ),
-            ],
-        )
-    }
-}
-
-impl ThermalValues {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        ranges(
-            source,
-            &[
-                (
-                    "thermal.density_kg_m3",
-                    self.density_kg_m3,
-                    [1000.0, 20_000.0],
-                    "kg/m3",
-                ),
-                (
-                    "thermal.specific_heat_j_kgk",
-                    self.specific_heat_j_kgk,
-                    [100.0, 2000.0],
-                    "J/kgK",
-                ),
-                (
-                    "thermal.latent_heat_j_kg",
-                    self.latent_heat_j_kg,
-                    [0.0, 1e5],
-                    "J/kg",
-                ),
-                (
-                    "thermal.conductivity_w_mk",
-                    self.conductivity_w_mk,
-                    [0.0, 500.0],
-                    "W/mK",
-                ),
-                ("thermal.air_w_m2k", self.air_w_m2k, [0.0, 2000.0], "W/m2K"),
-                ("thermal.mount_w_k", self.mount_w_k, [0.0, 1.0], "W/K"),
-            ],
-        )
-    }
-}
-
-impl Mechanical {
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        ranges(
-            source,
-            &[
-                (
-                    "mechanical.bias_stress_mpa",
-                    self.bias_stress_mpa,
-                    [0.0, 1000.0],
-                    "MPa",
-                ),
-                (
-                    "mechanical.modulus_austenite_gpa",
-                    self.modulus_austenite_gpa,
-                    [1.0, 500.0],
-                    "GPa",
-                ),
-                (
-                    "mechanical.modulus_martensite_gpa",
-                    self.modulus_martensite_gpa,
-                    [1.0, 500.0],
-                    "GPa",
-                ),
-                (
-                    "mechanical.transformation_strain",
-                    self.transformation_strain,
-                    [0.0, 0.2],
-                    "",
-                ),
-                (
-                    "mechanical.expansion_austenite_per_k",
-                    self.expansion_austenite_per_k,
-                    [0.0, 1e-4],
-                    "1/K",
-                ),
-                (
-                    "mechanical.expansion_martensite_per_k",
-                    self.expansion_martensite_per_k,
-                    [0.0, 1e-4],
-                    "1/K",
-                ),
-            ],
-        )
     }
 }
 
@@ -314,24 +187,36 @@ impl WireFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
-        source.range("diameter_um", wire.diameter_um, 10.0..=1000.0, "um")?;
-        source.range("length_mm", wire.length_mm, 0.5..=100.0, "mm")?;
-        wire.electrical.check(source)?;
-        wire.thermal.check(source)?;
-        wire.mechanical.check(source)?;
+        bounds!(source, "", wire;
+            diameter_um: 10.0..=1000.0, "um";
+            length_mm: 0.5..=100.0, "mm")?;
+        bounds!(source, "electrical", wire.electrical;
+            resistance_ohm: 0.01..=1000.0, "Ohm";
+            wire_share: 0.0..=1.0;
+            austenite_ratio: 0.2..=5.0;
+            per_kelvin: -0.01..=0.01, "1/K")?;
+        bounds!(source, "thermal", wire.thermal;
+            density_kg_m3: 1000.0..=20_000.0, "kg/m3";
+            specific_heat_j_kgk: 100.0..=2000.0, "J/kgK";
+            latent_heat_j_kg: 0.0..=1e5, "J/kg";
+            conductivity_w_mk: 0.0..=500.0, "W/mK";
+            air_w_m2k: 0.0..=2000.0, "W/m2K";
+            mount_w_k: 0.0..=1.0, "W/K")?;
+        bounds!(source, "mechanical", wire.mechanical;
+            bias_stress_mpa: 0.0..=1000.0, "MPa";
+            modulus_austenite_gpa: 1.0..=500.0, "GPa";
+            modulus_martensite_gpa: 1.0..=500.0, "GPa";
+            transformation_strain: 0.0..=0.2;
+            expansion_austenite_per_k: 0.0..=1e-4, "1/K";
+            expansion_martensite_per_k: 0.0..=1e-4, "1/K")?;
         match wire.hysteresis {
             Hysteresis::Play => {}
             Hysteresis::Plays { count, narrowest } => {
-                source.range("hysteresis.count", count, 1..=16, "")?;
-                source.range("hysteresis.narrowest", narrowest, 0.01..=1.0, "")?;
+                source.range("hysteresis.count", &count, 1..=16, "")?;
+                source.range("hysteresis.narrowest", &narrowest, 0.01..=1.0, "")?;
             }
         }
-        source.range(
-            "reversible",
-            wire.reversible,
-            0.0..=1.0,
-            "of the martensite",
-        )?;
+        bounds!(source, "", wire; reversible: 0.0..=1.0, "of the martensite")?;
         check_plays(source, &wire.plays, wire.mechanical.transformation_strain)?;
         Ok(wire)
     }

@@ -65,7 +65,8 @@ fn quoted<'m>(message: &'m str, start: &str) -> Option<(&'m str, &'m str)> {
         .split_once('`')
 }
 
-fn inside(path: &str, field: &str) -> String {
+/// The key of a field below another key; below none it is the field's own.
+pub(super) fn inside(path: &str, field: &str) -> String {
     match path {
         "" => field.into(),
         _ => format!("{path}.{field}"),

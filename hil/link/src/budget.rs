@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use palpate_core::projector::Projector;
+use palpate_core::statistics::quantile;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::report::SummaryRow;
@@ -13,8 +14,8 @@ use serde::Serialize;
 
 use crate::judge::Head;
 
-/// Values of one part that are kept at most: a quarter of an hour at 100 Hz.
-const MOST: usize = 100_000;
+/// Values of one kind that are kept at most: a quarter of an hour at 100 Hz.
+pub(crate) const MOST: usize = 100_000;
 /// Outputs whose edge is awaited at most: more than any bench has.
 const MOST_AWAITED: usize = 1024;
 
@@ -29,22 +30,32 @@ pub struct Spread {
     pub max: f64,
 }
 
-impl Spread {
-    /// Of these, microseconds.
-    #[must_use]
-    pub fn of(mut micros: Vec<u64>) -> Option<Self> {
-        micros.sort_unstable();
-        let at = |share: f64| {
-            let rank = (share * (micros.len() - 1) as f64).round() as usize;
-            micros[rank] as f64 * 1e-3
-        };
-        (!micros.is_empty()).then(|| Self {
-            median: at(0.5),
-            p99: at(0.99),
-            max: at(1.0),
-        })
+/// Times that are gathered, microseconds.
+#[derive(Debug, Default)]
+pub(crate) struct Samples(Vec<u64>);
+
+impl Samples {
+    /// Keeps one, as long as there is room.
+    pub(crate) fn keep(&mut self, one: u64) {
+        if self.0.len() < MOST {
+            self.0.push(one);
+        }
     }
 
+    /// What they come to; none is left.
+    pub(crate) fn spread(&mut self) -> Option<Spread> {
+        let mut micros = std::mem::take(&mut self.0);
+        micros.sort_unstable();
+        let at = |share| quantile(&micros, share).map(|at| at.below as f64 * 1e-3);
+        Some(Spread {
+            median: at(0.5)?,
+            p99: at(0.99)?,
+            max: at(1.0)?,
+        })
+    }
+}
+
+impl Spread {
     fn always(seconds: f64) -> Self {
         let ms = seconds * 1e3;
         Self {
@@ -125,20 +136,14 @@ impl Budget {
 #[derive(Debug)]
 pub struct Stopwatch {
     reaction: Reaction,
-    sensor: Vec<u64>,
-    network: Vec<u64>,
-    projection: Vec<u64>,
-    unit: Vec<u64>,
+    sensor: Samples,
+    network: Samples,
+    projection: Samples,
+    unit: Samples,
     /// When the newest reading arrived that is felt.
     arrived: Option<Instant>,
     /// Onsets of outputs that have not risen yet, by board and channel, microseconds.
     awaited: BTreeMap<(u8, u8), u64>,
-}
-
-fn keep(all: &mut Vec<u64>, one: u64) {
-    if all.len() < MOST {
-        all.push(one);
-    }
 }
 
 impl Stopwatch {
@@ -149,10 +154,10 @@ impl Stopwatch {
     pub fn new(setup: &Setup, projector: &Projector) -> Result<Self, Failure> {
         Ok(Self {
             reaction: reaction(setup, projector)?,
-            sensor: Vec::new(),
-            network: Vec::new(),
-            projection: Vec::new(),
-            unit: Vec::new(),
+            sensor: Samples::default(),
+            network: Samples::default(),
+            projection: Samples::default(),
+            unit: Samples::default(),
             arrived: None,
             awaited: BTreeMap::new(),
         })
@@ -161,9 +166,9 @@ impl Stopwatch {
     /// A frame that is felt arrived at `now`; its reading may have been as early as `read`.
     pub fn arrived(&mut self, head: &Head, read: Instant, now: Instant) {
         let waited = head.sent_us.saturating_sub(head.taken_us);
-        keep(&mut self.sensor, waited);
+        self.sensor.keep(waited);
         let age = now.since(read).as_micros();
-        keep(&mut self.network, age.saturating_sub(waited));
+        self.network.keep(age.saturating_sub(waited));
         self.arrived = Some(now);
     }
 
@@ -172,7 +177,8 @@ impl Stopwatch {
         match event {
             Event::Schedule(entry) if entry.width().get() > 0 => {
                 if let Some(arrived) = self.arrived {
-                    keep(&mut self.projection, entry.at.since(arrived).as_micros());
+                    let waited = entry.at.since(arrived).as_micros();
+                    self.projection.keep(waited);
                 }
                 if self.awaited.len() < MOST_AWAITED {
                     let output = (entry.board.0, entry.channel.0);
@@ -181,7 +187,7 @@ impl Stopwatch {
             }
             Event::Edge(edge) if edge.high => {
                 if let Some(onset) = self.awaited.remove(&(edge.board, edge.channel)) {
-                    keep(&mut self.unit, (edge.t_ns / 1000).saturating_sub(onset));
+                    self.unit.keep((edge.t_ns / 1000).saturating_sub(onset));
                 }
             }
             _ => {}
@@ -190,13 +196,12 @@ impl Stopwatch {
 
     /// What it comes to.
     pub fn finish(&mut self) -> Budget {
-        let of = |all: &mut Vec<u64>| Spread::of(std::mem::take(all));
         let Reaction { moved_s, felt_s } = self.reaction;
         Budget {
-            sensor_ms: of(&mut self.sensor),
-            network_ms: of(&mut self.network),
-            projection_ms: of(&mut self.projection),
-            unit_ms: of(&mut self.unit),
+            sensor_ms: self.sensor.spread(),
+            network_ms: self.network.spread(),
+            projection_ms: self.projection.spread(),
+            unit_ms: self.unit.spread(),
             wire_ms: Some(Spread::always(moved_s)),
             skin_ms: felt_s.map(|felt_s| Spread::always((felt_s - moved_s).max(0.0))),
         }

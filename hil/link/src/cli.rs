@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use palpate_core::units::Instant;
 use palpate_files::{Bench, Loaded, Overrides, Setup, load_scene};
-use palpate_hil::cli::{GuardianArgs, UnitOn};
+use palpate_hil::cli::{GuardianArgs, UnitOn, within};
 use palpate_hil::command::{bench_on, enough_adapters, skin_on};
 use palpate_run::Failure;
 
@@ -208,10 +209,12 @@ impl Kind {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(s) if (0.1..=86_400.0).contains(&s) => Ok(s),
-        _ => Err("expected 0.1 to 86400".into()),
-    }
+    within(text, (0.1, 86_400.0), "")
+}
+
+/// So many seconds after the start of a run's clock.
+pub(crate) fn after(seconds: f64) -> Instant {
+    Instant::from_micros((seconds * 1e6) as u64)
 }
 
 /// Options of `palpate-link skin`.

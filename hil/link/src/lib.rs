@@ -58,5 +58,5 @@ fn schema(args: &SchemaArgs) -> Result<(), Failure> {
         true => message::descriptor(),
         false => message::proto_file().into_bytes(),
     };
-    palpate_hil::output::print(|out| out.write_all(&bytes))
+    palpate_live::output::print(|out| out.write_all(&bytes))
 }

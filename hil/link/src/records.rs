@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Point};
-use palpate_files::{SensorLayout, Setup};
-use palpate_hil::output::Outputs;
-use palpate_hil::record::{About, Journal, Kind, Sink, kind_of};
+use palpate_files::{Format, SensorLayout, Setup};
+use palpate_live::output::Outputs;
+use palpate_live::record::{About, Journal, Sink};
 use palpate_records::digest::short_digest;
 use palpate_records::trace::Event;
 use palpate_run::unit::UnitReport;
@@ -15,25 +15,12 @@ use palpate_run::{Failure, attachments, header, plan};
 use serde::Serialize;
 use zenoh::Session;
 
-use crate::budget::{Budget, Spread};
+use crate::budget::{Budget, MOST, Samples, Spread};
 use crate::judge::{Gate, Head, Tally};
 use crate::name::FingerName;
-use crate::net::NetError;
-
-/// Ages and moments that are kept at most: a quarter of an hour at 100 Hz.
-const MOST: usize = 100_000;
 
 /// How the events of a wearer's recording state the bounds of its clock against the robot's: `LOW to HIGH us` follow.
 pub const OFFSET_WORDS: &str = "clock minus the robot's: ";
-
-/// What the network refuses, as a failure of the program.
-#[must_use]
-pub fn failed(error: NetError) -> Failure {
-    match error {
-        NetError::Zenoh(_) | NetError::Silent(_) => Failure::Device(error.to_string()),
-        _ => Failure::Input(error.to_string()),
-    }
-}
 
 /// A number that no other start of a program has.
 #[must_use]
@@ -61,7 +48,7 @@ pub fn layout_digest(file: &SensorLayout) -> u64 {
             );
         }
     }
-    u64::from_str_radix(&short_digest(text.as_bytes()), 16).unwrap_or(0)
+    u64::from_str_radix(&short_digest(&text), 16).unwrap_or(0)
 }
 
 /// The records that a run leaves, begun.
@@ -75,27 +62,25 @@ pub fn journal(
     files: &[PathBuf],
     force: bool,
 ) -> Result<Journal, Failure> {
-    let with_kind = |path: &PathBuf| match kind_of(path) {
-        Some(kind) => Ok((kind, path.clone())),
+    let with_format = |path: &PathBuf| match Format::of_name(path).filter(|format| format.grows()) {
+        Some(format) => Ok((format, path.clone())),
         None => Err(Failure::Input(format!(
             "--record {}: expected a name that ends in .mcap, .csv, .jsonl, .log or .vcd",
             path.display()
         ))),
     };
-    let files: Vec<_> = files.iter().map(with_kind).collect::<Result<_, _>>()?;
+    let files: Vec<_> = files.iter().map(with_format).collect::<Result<_, _>>()?;
     let (header, attached) = (header(setup, seed, projector)?, attachments(setup));
     let about = About::Run(&header, &[], &attached);
-    let sinks = Sink::create_all(&files, &about, Outputs { force, inputs: &[] })?;
+    let sinks = Sink::create_all(&files, &about, Outputs::of(force))?;
     Journal::start(sinks, false)
 }
 
 /// Whether frames of buses belong in one of these files.
 #[must_use]
 pub fn keeps_frames(files: &[PathBuf]) -> bool {
-    let kinds = files.iter().filter_map(|path| kind_of(path));
-    kinds
-        .into_iter()
-        .any(|kind| matches!(kind, Kind::Can | Kind::Mcap))
+    let mut formats = files.iter().filter_map(|path| Format::of_name(path));
+    formats.any(|format| matches!(format, Format::Candump | Format::Mcap))
 }
 
 /// What came of a run of the wearer's end.
@@ -133,13 +118,13 @@ pub struct Felt {
     /// When the run's clock began, CLOCK_MONOTONIC of this machine, nanoseconds.
     epoch_ns: i64,
     #[serde(skip)]
-    ages: Vec<u64>,
+    ages: Samples,
     #[serde(skip)]
-    flights: Vec<u64>,
+    flights: Samples,
     #[serde(skip)]
-    lasts: Vec<u64>,
+    lasts: Samples,
     #[serde(skip)]
-    gaps: Vec<u64>,
+    gaps: Samples,
     #[serde(skip)]
     before: Option<Instant>,
     /// When an output went low last.
@@ -163,12 +148,6 @@ struct Pause {
 /// A reading is fresh for so long.
 const FRESH: Duration = Duration::from_millis(100);
 
-fn keep(all: &mut Vec<u64>, one: u64) {
-    if all.len() < MOST {
-        all.push(one);
-    }
-}
-
 impl Felt {
     /// Nothing yet.
     #[must_use]
@@ -185,15 +164,15 @@ impl Felt {
     /// A frame came through the gate.
     pub fn arrived(&mut self, head: &Head, at: Instant, now: Instant, offset: Option<(i64, i64)>) {
         self.offset_us = offset;
-        keep(&mut self.ages, now.since(at).as_micros());
+        self.ages.keep(now.since(at).as_micros());
         if let Some((_, high)) = offset {
             let sent = i64::try_from(head.sent_us).unwrap_or(i64::MAX);
             let here = i64::try_from(now.as_micros()).unwrap_or(i64::MAX);
             let least = here.saturating_sub(sent.saturating_add(high));
-            keep(&mut self.flights, u64::try_from(least).unwrap_or(0));
+            self.flights.keep(u64::try_from(least).unwrap_or(0));
         }
         if let Some(before) = self.before {
-            keep(&mut self.gaps, at.since(before).as_micros());
+            self.gaps.keep(at.since(before).as_micros());
         }
         self.before = Some(at);
     }
@@ -228,7 +207,7 @@ impl Felt {
             }
             Event::Schedule(entry) => {
                 self.stimuli += 1;
-                keep(&mut self.lasts, entry.until.since(entry.at).as_micros());
+                self.lasts.keep(entry.until.since(entry.at).as_micros());
                 let last = self.pauses.last_mut();
                 if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
                     pause.back_us = Some(entry.at.as_micros());
@@ -244,12 +223,11 @@ impl Felt {
         self.offset_us = gate.offset(end).or(self.offset_us);
         self.overflowed = overflowed;
         self.length_us = end.as_micros();
-        self.age_ms = Spread::of(std::mem::take(&mut self.ages));
-        let of = |all: &mut Vec<u64>| Spread::of(std::mem::take(all));
-        self.gap_ms = of(&mut self.gaps);
-        self.flight_ms = of(&mut self.flights);
+        self.age_ms = self.ages.spread();
+        self.gap_ms = self.gaps.spread();
+        self.flight_ms = self.flights.spread();
         self.latency = latency;
-        self.stimulus_ms = of(&mut self.lasts);
+        self.stimulus_ms = self.lasts.spread();
     }
 
     /// The latency budget.

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use palpate_files::{FileError, Format, LayoutFile, Timing, format_of, load_layout, read_text};
+use palpate_files::{Format, LayoutFile, Timing, format_of, load_layout, read_text};
 use palpate_hil::command::rate_of;
-use palpate_hil::recording::{Reading, read_can_recording, recorded};
+use palpate_live::recording::{Reading, read_can_recording, recorded};
 use palpate_records::schedule::read_schedule;
-use palpate_run::{Failure, Input};
+use palpate_run::{Failure, Input, damaged};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -107,13 +107,8 @@ pub fn load_buses(py: Python<'_>, path: PathBuf) -> PyResult<(Table, Vec<String>
 pub fn load_schedule(py: Python<'_>, path: PathBuf) -> PyResult<(Table, String)> {
     free(py, || {
         let text = read_text(&path, "a schedule", MOST)?;
-        let trace = read_schedule(&text, |_| Vec::new()).map_err(|damage| FileError {
-            path: path.display().to_string(),
-            line: Some(damage.line),
-            key: None,
-            expected: damage.expected,
-            found: damage.found,
-        })?;
+        let trace = read_schedule(&text, |_| Vec::new())
+            .map_err(|damage| damaged(path.display().to_string(), damage))?;
         let about = About::new(&trace.header);
         Ok((tables::stimuli(&trace.events, &about), trace.header.bench))
     })

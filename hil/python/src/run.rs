@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use palpate_files::{Columns, Timing};
-use palpate_hil::clock;
 use palpate_hil::command::{rate_of, report, save};
-use palpate_hil::recording::{Reading, recorded};
+use palpate_live::clock;
+use palpate_live::recording::{Reading, recorded};
 use palpate_records::digest::{contacts_digest, schedule_digest, trace_digest};
 use palpate_run::effort::Stopwatch;
 use palpate_run::{Failure, Host, Input, Keep, KeptReadings, Outcome, TaxelTable, run_with};

@@ -5,10 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
-use palpate_run::{
-    Activations, EmulatedSession, Failure, FedSession, Hand, Session, Turn,
-    display_end::EmulatedDisplay, header, plan, skin_end::SkinEnd,
-};
+use palpate_run::{Activations, EmulatedSession, Failure, Hand, Turn, header, plan};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -20,16 +17,16 @@ use crate::shown::Shown;
 use crate::tables::About;
 
 /// The session behind a loop.
-enum Held {
-    Fed(Box<FedSession>),
-    Touched(Box<EmulatedSession>, Vec<Hand>),
-    /// Closed, or left by a panic.
-    Gone,
+struct Held {
+    session: EmulatedSession,
+    /// What presses on each module of an emulated skin; none where readings are pushed.
+    hands: Option<Vec<Hand>>,
 }
 
 /// What is in a loop at any time.
 struct State {
-    held: Held,
+    /// None once it is closed, or left by a panic.
+    held: Option<Box<Held>>,
     /// When the boards have started.
     ready: Instant,
     about: About,
@@ -71,8 +68,8 @@ fn closed() -> Failure {
 }
 
 /// A turn, or what ended the loop before its time.
-fn turn<S: SkinEnd>(
-    session: &mut Session<S, EmulatedDisplay>,
+fn turn(
+    session: &mut EmulatedSession,
     now: Option<Instant>,
     until: Instant,
 ) -> Result<(), Failure> {
@@ -89,20 +86,21 @@ fn turn<S: SkinEnd>(
 }
 
 impl State {
+    fn held(&self) -> Result<&Held, Failure> {
+        self.held.as_deref().ok_or_else(closed)
+    }
+
+    fn session(&mut self) -> Result<&mut EmulatedSession, Failure> {
+        let held = self.held.as_deref_mut().ok_or_else(closed)?;
+        Ok(&mut held.session)
+    }
+
     fn now(&self) -> Result<u64, Failure> {
-        match &self.held {
-            Held::Fed(session) => Ok(session.now().as_micros()),
-            Held::Touched(session, _) => Ok(session.now().as_micros()),
-            Held::Gone => Err(closed()),
-        }
+        Ok(self.held()?.session.now().as_micros())
     }
 
     fn happened(&mut self) -> Result<Happened, Failure> {
-        let (events, dropped) = match &mut self.held {
-            Held::Fed(session) => session.drain(),
-            Held::Touched(session, _) => session.drain(),
-            Held::Gone => return Err(closed()),
-        };
+        let (events, dropped) = self.session()?.drain();
         if let Some(shown) = &mut self.shown {
             shown.add(&events, dropped);
         }
@@ -130,11 +128,7 @@ impl State {
         let mut piece_us = self.now()?.saturating_add(PIECE_US);
         loop {
             let until = Instant::from_micros(piece_us.min(until_us));
-            match &mut self.held {
-                Held::Fed(session) => turn(session, None, until)?,
-                Held::Touched(session, _) => turn(session, None, until)?,
-                Held::Gone => return Err(closed()),
-            }
+            turn(self.session()?, None, until)?;
             if piece_us >= until_us {
                 return Ok(());
             }
@@ -152,22 +146,15 @@ impl State {
         if at < self.ready {
             return Ok(());
         }
-        match &mut self.held {
-            Held::Fed(session) => turn(session, Some(at), at),
-            Held::Touched(session, _) => turn(session, Some(at), at),
-            Held::Gone => Err(closed()),
-        }
+        turn(self.session()?, Some(at), at)
     }
 
     fn push(&mut self, module: usize, time_us: u64, counts: &[u8]) -> Result<(), Failure> {
-        let Held::Fed(_) = &self.held else {
-            let Held::Gone = &self.held else {
-                let text =
-                    "Loop.push: expected skin=\"pushed\", found an emulated skin, which is touched";
-                return Err(input(text));
-            };
-            return Err(closed());
-        };
+        if self.held()?.hands.is_some() {
+            let text =
+                "Loop.push: expected skin=\"pushed\", found an emulated skin, which is touched";
+            return Err(input(text));
+        }
         let modules = self.newest.len();
         let newest = self.newest.get_mut(module);
         let newest = newest.ok_or_else(|| {
@@ -194,23 +181,16 @@ impl State {
         }
         let at = Instant::from_micros(time_us);
         let scan = ModuleScan::whole(module as u16, at, &self.counts);
-        if let Held::Fed(session) = &mut self.held {
-            session
-                .push(&scan)
-                .map_err(|e| input(format!("Loop.push: {e}")))?;
-        }
+        let held = self.held.as_mut().ok_or_else(closed)?;
+        let pushed = held.session.push(&scan);
+        pushed.map_err(|e| input(format!("Loop.push: {e}")))?;
         self.turn_at(time_us)
     }
 
     fn touch(&self, module: usize, presses: &[[f64; 4]]) -> Result<(), Failure> {
-        let hands = match &self.held {
-            Held::Touched(_, hands) => hands,
-            Held::Fed(_) => {
-                let text = "Loop.touch: expected skin=\"emulated\", found a loop whose readings are pushed";
-                return Err(input(text));
-            }
-            Held::Gone => return Err(closed()),
-        };
+        let hands = self.held()?.hands.as_ref().ok_or_else(|| {
+            input("Loop.touch: expected skin=\"emulated\", found a loop whose readings are pushed")
+        })?;
         let hand = hands.get(module).ok_or_else(|| {
             input(format!(
                 "module: expected less than {}, found {module}",
@@ -242,30 +222,21 @@ impl State {
 
     /// What was felt of the newest onset until now is all that is told of it.
     fn conclude(&mut self) -> Result<(), Failure> {
-        let Held::Touched(session, _) = &mut self.held else {
-            return Err(closed());
-        };
-        let (display, projector, recorder) = session.all();
+        let (display, projector, recorder) = self.session()?.all();
         display.score(projector, recorder);
         Ok(())
     }
 
     /// How far every taxel is from its reference, counts; NaN for one that is left out. Empty before the first frame.
     fn changes(&self) -> Result<Vec<f32>, Failure> {
-        let Held::Touched(session, _) = &self.held else {
-            return Err(closed());
-        };
-        Ok(session.seen().1.counts.clone().unwrap_or_default())
+        let (_, recorder) = self.held()?.session.seen();
+        Ok(recorder.counts.clone().unwrap_or_default())
     }
 
     /// Begins pictures for a page, or begins them anew; what stays as it is.
     fn show(&mut self) -> Result<String, Failure> {
-        let (setup, seed) = (&self.setup, self.seed);
-        let shown = match &mut self.held {
-            Held::Fed(session) => Shown::new(setup, seed, session)?,
-            Held::Touched(session, _) => Shown::new(setup, seed, session)?,
-            Held::Gone => return Err(closed()),
-        };
+        let held = self.held.as_mut().ok_or_else(closed)?;
+        let shown = Shown::new(&self.setup, self.seed, &mut held.session)?;
         let head = shown.head();
         self.shown = Some(Box::new(shown));
         head
@@ -274,21 +245,13 @@ impl State {
     fn picture(&mut self) -> Result<String, Failure> {
         let shown = self.shown.as_mut();
         let shown = shown.ok_or_else(|| input("Loop: expected a page, found none"))?;
-        match &self.held {
-            Held::Fed(session) => shown.picture(session),
-            Held::Touched(session, _) => shown.picture(session),
-            Held::Gone => Err(closed()),
-        }
+        let held = self.held.as_ref().ok_or_else(closed)?;
+        shown.picture(&held.session)
     }
 
     fn temperatures(&mut self) -> Result<Vec<(f64, f64)>, Failure> {
         let wires = self.wires.len();
-        let display = match &mut self.held {
-            Held::Fed(session) => session.display(),
-            Held::Touched(session, _) => session.display(),
-            Held::Gone => return Err(closed()),
-        };
-        let worn = display.hardware();
+        let worn = self.session()?.display().hardware();
         let of = |wire| {
             let missing = || Failure::Device(format!("the display has no wire {wire}"));
             let wire_c = worn.wire_c(wire).ok_or_else(missing)?;
@@ -327,7 +290,7 @@ impl Loop {
         });
         if !whole {
             // What a panic leaves between two turns is no loop.
-            state.held = Held::Gone;
+            state.held = None;
         }
         match state.raised.take() {
             Some(raised) => Err(raised),
@@ -351,35 +314,24 @@ impl Loop {
     ) -> PyResult<Self> {
         let setup = setup.get().inner.clone();
         free(py, || {
-            let not_ready = |e: palpate_core::driver::DriverError| Failure::Device(e.to_string());
             let mut own = None;
             let taxels = taxels(&plan::layout(&setup.sensor.value)?);
-            let (held, ready, header, modules) = if emulated {
-                let (mut session, hands) = if activated {
-                    let (session, hands, activations) = EmulatedSession::activated(&setup, seed)?;
-                    own = Some(activations);
-                    (session, hands)
-                } else {
-                    EmulatedSession::touched(&setup, seed)?
-                };
-                let ready = session.start(Instant::ZERO).map_err(not_ready)?;
-                let header = header(&setup, seed, session.projector())?;
-                let modules = hands.len();
-                (
-                    Held::Touched(Box::new(session), hands),
-                    ready,
-                    header,
-                    modules,
-                )
+            let (mut session, hands) = if !emulated {
+                (EmulatedSession::fed(&setup, seed)?, None)
+            } else if activated {
+                let (session, hands, activations) = EmulatedSession::activated(&setup, seed)?;
+                own = Some(activations);
+                (session, Some(hands))
             } else {
-                let mut session = FedSession::fed(&setup, seed)?;
-                let ready = session.start(Instant::ZERO).map_err(not_ready)?;
-                let header = header(&setup, seed, session.projector())?;
-                let modules = session.projector().layout().modules().len();
-                (Held::Fed(Box::new(session)), ready, header, modules)
+                let (session, hands) = EmulatedSession::touched(&setup, seed)?;
+                (session, Some(hands))
             };
+            let started = session.start(Instant::ZERO);
+            let ready = started.map_err(|e| Failure::Device(e.to_string()))?;
+            let header = header(&setup, seed, session.projector())?;
+            let modules = session.projector().layout().modules().len();
             Ok(Self(Mutex::new(State {
-                held,
+                held: Some(Box::new(Held { session, hands })),
                 ready,
                 about: About::new(&header),
                 taxels,
@@ -486,7 +438,7 @@ impl Loop {
     /// Lets everything go.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.within(py, |state| {
-            state.held = Held::Gone;
+            state.held = None;
             Ok(())
         })
     }

@@ -30,11 +30,7 @@ struct Stated {
 impl Stated {
     fn read(self) -> Result<Setup, Failure> {
         let scene: Loaded<Scene> = match (self.text, &self.scene, self.args.replay.is_empty()) {
-            (Some(text), ..) => {
-                let source = Source::new(TEXT, text);
-                let value = Scene::read(&source)?;
-                Loaded { value, source }
-            }
+            (Some(text), ..) => Loaded::read(Source::new(TEXT, text))?,
             (None, Some(name), _) => load_scene(name)?,
             (None, None, _) => load_scene("sphere-along")?,
         };

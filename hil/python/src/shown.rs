@@ -2,10 +2,8 @@
 
 use palpate_files::Setup;
 use palpate_records::trace::Event;
-use palpate_run::display_end::EmulatedDisplay;
 use palpate_run::picture::{Head, Painter, State};
-use palpate_run::skin_end::SkinEnd;
-use palpate_run::{Failure, Session, header};
+use palpate_run::{EmulatedSession, Failure, header};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -27,11 +25,7 @@ fn json<T: Serialize>(told: &T) -> Result<String, Failure> {
 
 impl Shown {
     /// From now on.
-    pub fn new<S: SkinEnd>(
-        setup: &Setup,
-        seed: u64,
-        session: &mut Session<S, EmulatedDisplay>,
-    ) -> Result<Self, Failure> {
+    pub fn new(setup: &Setup, seed: u64, session: &mut EmulatedSession) -> Result<Self, Failure> {
         let header = header(setup, seed, session.projector())?;
         // The wires of the band are at rest when they are put beside, as all wires are at the start alone.
         if session.now().as_micros() == 0 {
@@ -63,10 +57,7 @@ impl Shown {
     }
 
     /// What happened since the last picture and how things are now, as JSON.
-    pub fn picture<S: SkinEnd>(
-        &mut self,
-        session: &Session<S, EmulatedDisplay>,
-    ) -> Result<String, Failure> {
+    pub fn picture(&mut self, session: &EmulatedSession) -> Result<String, Failure> {
         let now = session.now();
         let (_, recorder, look) = session.look();
         let state: State = look.state(self.painter.wants(now.as_micros()));
@@ -81,5 +72,5 @@ impl Shown {
 /// The page's own text, and the names and texts of its scripts.
 #[pyfunction]
 pub fn notebook() -> (String, Vec<(&'static str, &'static str)>) {
-    palpate_hil::serve::notebook()
+    palpate_live::serve::notebook()
 }

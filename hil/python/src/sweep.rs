@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use palpate_hil::output::Outputs;
 use palpate_hil::sweep::{Growing, Work};
+use palpate_live::output::Outputs;
 use palpate_records::runs::{RunTable, TableForm};
 use palpate_run::Failure;
 use palpate_run::sweep::{Axis, Grid, Variant};
@@ -44,7 +44,7 @@ impl Sweep {
         free(py, || {
             let axes = axes.into_iter().map(|(key, values)| Axis { key, values });
             let grid = Grid::new(axes.collect(), seeds)?;
-            let outputs = Outputs { force, inputs: &[] };
+            let outputs = Outputs::of(force);
             Growing::check(&out, outputs)?;
             let mut work = Work::read(&base, grid, None)?;
             let table = Some(work.open(&out, outputs)?);

@@ -60,52 +60,56 @@ fn output(header: &Header, board: u8, channel: u8) -> DrivenOutput {
     }
 }
 
-/// Every burst of a run, sorted by start and output. Entries that only switch an output off
-/// end a burst and are none themselves.
-pub fn bursts(trace: &Trace) -> Vec<Burst> {
-    let mut open: BTreeMap<(u8, u8), Burst> = BTreeMap::new();
+/// Every entry that wants an output on, with the end of its stay, microseconds: the end asked for, the next entry of the
+/// channel or an all-off. Those of one output are in the order of time.
+pub fn stays(trace: &Trace) -> Vec<(&Entry, u64)> {
+    let mut open: BTreeMap<(u8, u8), &Entry> = BTreeMap::new();
     let mut done = Vec::new();
+    let end = |entry: &Entry, now_us: u64| {
+        let end_us = entry.until.as_micros().min(now_us);
+        end_us.max(entry.at.as_micros())
+    };
     for event in &trace.events {
         match event {
             Event::Schedule(entry) => {
                 let key = (entry.board.0, entry.channel.0);
                 if let Some(before) = open.remove(&key) {
-                    close(&mut done, before, entry.at.as_micros());
+                    done.push((before, end(before, entry.at.as_micros())));
                 }
                 if entry.width().get() > 0 || entry.requested.get() > 0 {
-                    open.insert(key, start(&trace.header, entry));
+                    open.insert(key, entry);
                 }
             }
             Event::AllOff(off) => {
                 let keys: Vec<_> = open.keys().filter(|k| k.0 == off.board).copied().collect();
                 for key in keys {
                     if let Some(before) = open.remove(&key) {
-                        close(&mut done, before, off.t_us);
+                        done.push((before, end(before, off.t_us)));
                     }
                 }
             }
             _ => {}
         }
     }
-    done.extend(open.into_values());
-    done.sort_by_key(|b| (b.from_us, b.output));
+    let left = open.into_values();
+    done.extend(left.map(|entry| (entry, end(entry, u64::MAX))));
     done
 }
 
-fn start(header: &Header, entry: &Entry) -> Burst {
-    Burst {
-        output: output(header, entry.board.0, entry.channel.0),
+/// Every burst of a run, sorted by start and output. Entries that only switch an output off
+/// end a burst and are none themselves.
+pub fn bursts(trace: &Trace) -> Vec<Burst> {
+    let burst = |(entry, to_us): (&Entry, u64)| Burst {
+        output: output(&trace.header, entry.board.0, entry.channel.0),
         from_us: entry.at.as_micros(),
-        to_us: entry.until.as_micros().max(entry.at.as_micros()),
+        to_us,
         width: entry.width().get(),
         requested: entry.requested.get(),
         reason: entry.reason,
-    }
-}
-
-fn close(done: &mut Vec<Burst>, mut burst: Burst, now_us: u64) {
-    burst.to_us = burst.to_us.min(now_us.max(burst.from_us));
-    done.push(burst);
+    };
+    let mut all: Vec<Burst> = stays(trace).into_iter().map(burst).collect();
+    all.sort_by_key(|b| (b.from_us, b.output));
+    all
 }
 
 /// All wires of a small display; of one with more than `most`, the first `most` that were driven.

@@ -3,8 +3,6 @@
 //! Text to frames and back with exact microseconds, nothing else: no files, no clock. Only classic data
 //! frames with 11-bit identifiers are frames here; the other kinds that candump knows are counted.
 
-use std::fmt;
-
 use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
 
@@ -20,7 +18,8 @@ pub struct Logged {
 }
 
 /// Why a log cannot be read: the line (from 1) and what was expected there.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: expected {expected}")]
 pub struct Malformed {
     /// Line number, from 1.
     pub line: usize,
@@ -29,14 +28,6 @@ pub struct Malformed {
     /// Frames in the lines before it.
     pub before: usize,
 }
-
-impl fmt::Display for Malformed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: expected {}", self.line, self.expected)
-    }
-}
-
-impl std::error::Error for Malformed {}
 
 /// A log's frames in the order of its lines, and how many lines held another kind of frame
 /// (29-bit, remote, error, CAN FD).

@@ -20,22 +20,20 @@ const CHUNK: usize = 4096;
 /// # Errors
 /// Whatever the writer says.
 pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
-    match trace.header.displays.as_slice() {
-        [] => writeln!(out, "{HEADER}")?,
-        _ => writeln!(out, "{HEADER},{DISPLAY}")?,
-    }
-    rows(trace.each(), &trace.header.displays, out)
+    let displays = &trace.header.displays;
+    write_header(displays, &mut out)?;
+    write_rows(trace.each(), displays, out)
 }
 
-/// Writes the rows alone, of a run with one display.
+/// Writes the first line, of a run with these displays where they are several.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_rows<'a>(
-    contacts: impl IntoIterator<Item = &'a event::Contact>,
-    out: impl Write,
-) -> io::Result<()> {
-    rows(contacts, &[], out)
+pub fn write_header(displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
+    match displays {
+        [] => writeln!(out, "{HEADER}"),
+        _ => writeln!(out, "{HEADER},{DISPLAY}"),
+    }
 }
 
 /// The name of the display that a module belongs to.
@@ -44,7 +42,11 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
     own.map_or("", |d| d.name.as_str())
 }
 
-fn rows<'a>(
+/// Writes rows below [`write_header`] with the same displays.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_rows<'a>(
     contacts: impl IntoIterator<Item = &'a event::Contact>,
     displays: &[DisplayInfo],
     mut out: impl Write,

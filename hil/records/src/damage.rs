@@ -1,9 +1,8 @@
 //! What is wrong with a text of ours, and where.
 
-use std::fmt;
-
 /// The first line that has no place in a golden, a schedule file or a table of contacts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: expected {expected}, found {found}")]
 pub struct Damage {
     /// Line, counted from one.
     pub line: usize,
@@ -21,17 +20,6 @@ impl Damage {
             expected: expected.to_owned(),
             found: shown(found),
         }
-    }
-}
-
-impl fmt::Display for Damage {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            line,
-            expected,
-            found,
-        } = self;
-        write!(out, "line {line}: expected {expected}, found {found}")
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::synthetic;
+use crate::trace::event;
 
 #[test]
 fn one_integer_changes_the_digest() {
@@ -26,7 +27,7 @@ fn one_integer_changes_the_digest() {
 
 #[test]
 fn known_vector() {
-    assert_eq!(short_digest(b"abc"), "ba7816bf8f01cfea");
+    assert_eq!(short_digest("abc"), "ba7816bf8f01cfea");
 }
 
 #[test]

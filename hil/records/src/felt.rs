@@ -33,29 +33,9 @@ pub struct FeltScore {
     pub jumps: u64,
 }
 
-/// One onset with one contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FeltOnset {
-    /// The onset.
-    pub t_us: u64,
-    /// Where the contact was, on the display.
-    pub target: PlaceUm,
-    /// Whether that is inside the display.
-    pub inside: bool,
-    /// What was met of it, felt or not; `None` where no wire moved.
-    pub met: Option<FeltAt>,
-}
-
 /// The felt path of a run by both centroids, the energy's first.
 pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
     FeltPath::of(trace).scores()
-}
-
-/// The felt path of these onsets, one SOA apart where the contact stays, on a display with these wires.
-pub fn scores(onsets: &[FeltOnset], wires: &[PlaceUm], soa_us: u64) -> [FeltScore; 2] {
-    let mut path = FeltPath::on(wires, soa_us);
-    onsets.iter().for_each(|onset| path.onset(onset));
-    path.scores()
 }
 
 /// A felt path that is scored onset by onset, in the order of time.
@@ -88,7 +68,8 @@ impl FeltPath {
         Self::on(&wires, header.soa_us)
     }
 
-    fn on(wires: &[PlaceUm], soa_us: u64) -> Self {
+    /// An empty path on a display with wires at these places, whose onsets are `soa_us` microseconds apart.
+    pub fn on(wires: &[PlaceUm], soa_us: u64) -> Self {
         Self {
             step_um: felt_step_um(wires),
             soa_us,
@@ -107,7 +88,7 @@ impl FeltPath {
 
     /// Adds an event; only onsets that were to be felt count.
     pub fn add(&mut self, event: &Event) {
-        let Event::Felt(felt) = *event else {
+        let Event::Felt(felt) = event else {
             return;
         };
         let event::Felt {
@@ -115,7 +96,7 @@ impl FeltPath {
             met,
             energy,
             ..
-        } = felt;
+        } = *felt;
         if inside {
             let level = self.levels.entry(met.map_or(SILENCE_MDB, |m| m.level_mdb));
             *level.or_insert(0) += 1;
@@ -126,17 +107,8 @@ impl FeltPath {
                 (*least, *most) = (value.min(*least), value.max(*most));
             }
         }
-        self.onset(&FeltOnset {
-            t_us: felt.t_us,
-            target: felt.target,
-            inside,
-            met,
-        });
-    }
-
-    fn onset(&mut self, onset: &FeltOnset) {
         for (followed, (_, place)) in self.by.iter_mut().zip(CENTROIDS) {
-            followed.add(onset, place, (self.step_um, self.soa_us));
+            followed.add(felt, place, (self.step_um, self.soa_us));
         }
     }
 
@@ -178,7 +150,7 @@ impl FeltPath {
 }
 
 impl Followed {
-    fn add(&mut self, onset: &FeltOnset, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
+    fn add(&mut self, onset: &event::Felt, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
         let target = onset.target;
         if let (true, Some(met)) = (onset.inside, &onset.met) {
             self.sum.add(distance2_um(place(met), target));

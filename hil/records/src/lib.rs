@@ -13,6 +13,7 @@ pub mod digest;
 pub mod felt;
 pub mod figures;
 mod fixed;
+pub mod frame_time;
 pub mod i2c;
 pub mod margin;
 pub mod mcap;

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::damage::Damage;
@@ -21,35 +22,69 @@ pub struct Measured {
     pub words: &'static str,
     /// Its unit; empty for a count.
     pub unit: &'static str,
+    /// Where a summary has it; of a list of margins it is the most used one.
+    place: &'static str,
 }
 
-const fn of(key: &'static str, words: &'static str, unit: &'static str) -> Measured {
-    Measured { key, words, unit }
+const fn of(
+    key: &'static str,
+    words: &'static str,
+    unit: &'static str,
+    place: &'static str,
+) -> Measured {
+    Measured {
+        key,
+        words,
+        unit,
+        place,
+    }
 }
 
 /// The figures of a row, in the order of the columns.
+#[rustfmt::skip]
 pub const MEASURED: [Measured; 17] = [
-    of("path_error_rmse_mm", "path error RMSE", "mm"),
-    of("path_error_max_mm", "path error at most", "mm"),
-    of("felt_error_rmse_mm", "felt error RMSE", "mm"),
-    of("felt_error_max_mm", "felt error at most", "mm"),
-    of("felt_level_db", "felt level over threshold", "dB"),
-    of("felt_breaks", "breaks", ""),
-    of("felt_jumps", "jumps", ""),
-    of("hottest_skin_c", "hottest skin", "\u{b0}C"),
-    of("hottest_wire_c", "hottest wire", "\u{b0}C"),
-    of("energy_mj", "energy", "mJ"),
-    of("peak_supply_a", "supply current", "A"),
-    of("limit_used_percent", "most used limit", "%"),
-    of("limiter_events", "limiter events", ""),
-    of("contacts", "contacts", ""),
-    of("stimuli", "stimuli", ""),
-    of("roughness", "roughness", ""),
-    of("taxel_hz", "taxel refresh, median", "Hz"),
+    of("path_error_rmse_mm", "path error RMSE", "mm", "/path_error_mm/rmse"),
+    of("path_error_max_mm", "path error at most", "mm", "/path_error_mm/max"),
+    of("felt_error_rmse_mm", "felt error RMSE", "mm", "/felt_error_mm/rmse"),
+    of("felt_error_max_mm", "felt error at most", "mm", "/felt_error_mm/max"),
+    of("felt_level_db", "felt level over threshold", "dB", "/felt/level_db/median"),
+    of("felt_breaks", "breaks", "", "/felt_error_mm/breaks"),
+    of("felt_jumps", "jumps", "", "/felt_error_mm/jumps"),
+    of("hottest_skin_c", "hottest skin", "\u{b0}C", "/hottest_skin_c"),
+    of("hottest_wire_c", "hottest wire", "\u{b0}C", "/hottest_wire_c"),
+    of("energy_mj", "energy", "mJ", "/energy_mj"),
+    of("peak_supply_a", "supply current", "A", "/peak_supply_a"),
+    of("limit_used_percent", "most used limit", "%", "/margins"),
+    of("limiter_events", "limiter events", "", "/limiter_events"),
+    of("contacts", "contacts", "", "/contacts"),
+    of("stimuli", "stimuli", "", "/stimuli"),
+    of("roughness", "roughness", "", "/texture/roughness"),
+    of("taxel_hz", "taxel refresh, median", "Hz", "/taxels/refresh_hz/median"),
 ];
 
-/// A value for each of [`MEASURED`]; none where a run does not measure it.
-pub type Values = [Option<f64>; MEASURED.len()];
+/// Values of [`MEASURED`], by their keys; none where a run does not measure it.
+pub type Values = BTreeMap<&'static str, f64>;
+
+impl Measured {
+    fn read(&self, summary: &Value) -> Option<f64> {
+        let margins = match summary.pointer(self.place)? {
+            Value::Array(margins) => margins,
+            value => return value.as_f64(),
+        };
+        // Of a limit at rest a summary has no number: infinitely much of it is used.
+        let used = |margin: &Value| margin.get("used").and_then(Value::as_f64);
+        let used = margins.iter().map(|m| used(m).unwrap_or(f64::INFINITY));
+        // Beyond a million times a limit the number says nothing more.
+        used.reduce(f64::max).map(|most| (most * 100.0).min(1e8))
+    }
+}
+
+/// The figures of a summary, as it is written or read.
+pub fn values(summary: &impl Serialize) -> Values {
+    let summary = serde_json::to_value(summary).unwrap_or_default();
+    let read = |m: &Measured| Some((m.key, m.read(&summary)?));
+    MEASURED.iter().filter_map(read).collect()
+}
 
 /// What tells a run from all others.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -114,6 +149,11 @@ pub fn number(value: f64) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
+/// A number as people read it: to the thousandth.
+pub fn short(value: f64) -> String {
+    number((value * 1e3).round() / 1e3)
+}
+
 impl TableForm {
     /// What a table with these swept keys begins with, in their order; nothing where lines name their keys.
     pub fn head<'a>(self, swept: impl Iterator<Item = &'a str>) -> String {
@@ -129,12 +169,12 @@ impl TableForm {
     pub fn line(self, row: &RunRow) -> String {
         let key = &row.key;
         let seed = key.seed.to_string();
-        let values = row.values.map(|value| value.map(number));
+        let values = MEASURED.map(|m| (m.key, row.values.get(m.key).map(|v| number(*v))));
         if self == Self::Csv {
             let before = [&*key.scene, &key.digest, &key.bench].into_iter();
             let swept = key.set.values().map(String::as_str);
             let after = [&*seed, &key.version, row.verdict.key(), &row.why];
-            let values = values.iter().map(|v| v.as_deref().unwrap_or_default());
+            let values = values.iter().map(|v| v.1.as_deref().unwrap_or_default());
             let all = before.chain(swept).chain(after).chain(values);
             return as_csv([all.collect::<Vec<_>>()]);
         }
@@ -154,9 +194,9 @@ impl TableForm {
             text(row.verdict.key()),
             text(&row.why)
         );
-        for (measured, value) in MEASURED.iter().zip(&values) {
+        for (key, value) in &values {
             let value = value.as_deref().unwrap_or("null");
-            let _ = write!(line, ",\"{}\":{value}", measured.key);
+            let _ = write!(line, ",\"{key}\":{value}");
         }
         line + "}\n"
     }
@@ -254,11 +294,12 @@ fn of_fields(line: &str, swept: &[String]) -> Option<RunRow> {
     }
     let (seed, version, verdict, why) = (text()?, text()?, text()?, text()?);
     let mut values = Values::default();
-    for value in &mut values {
-        *value = match text()? {
-            none if none.is_empty() => None,
-            some => Some(some.parse().ok().filter(|v: &f64| v.is_finite())?),
-        };
+    for measured in MEASURED {
+        let value = text()?;
+        if !value.is_empty() {
+            let value = value.parse().ok().filter(|v: &f64| v.is_finite())?;
+            values.insert(measured.key, value);
+        }
     }
     let key = RunKey {
         scene,
@@ -285,11 +326,11 @@ fn of_object(line: &str) -> Option<RunRow> {
         set.insert(key.clone(), value.as_str()?.to_owned());
     }
     let mut values = Values::default();
-    for (value, measured) in values.iter_mut().zip(MEASURED) {
-        *value = match object.get(measured.key)? {
-            Value::Null => None,
-            number => Some(number.as_f64()?),
-        };
+    for measured in MEASURED {
+        let value = object.get(measured.key)?;
+        if !value.is_null() {
+            values.insert(measured.key, value.as_f64()?);
+        }
     }
     Some(RunRow {
         key: RunKey {

@@ -3,10 +3,11 @@
 use super::*;
 
 fn row(seed: u64, shape: &str) -> RunRow {
-    let mut values = Values::default();
-    values[0] = Some(0.1 + 0.2);
-    values[4] = Some(3.0);
-    values[6] = Some(-1e-12);
+    let values = Values::from([
+        ("path_error_rmse_mm", 0.1 + 0.2),
+        ("felt_level_db", 3.0),
+        ("felt_jumps", -1e-12),
+    ]);
     RunRow {
         key: RunKey {
             scene: "a-scene".into(),

@@ -9,7 +9,7 @@ use crate::margin::{Limited, Margin};
 use event::EventKind;
 use palpate_core::schedule::Entry;
 use palpate_core::units::Prescale;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Version of the trace's meaning; grows when a field changes what it says.
 pub const VERSION: u32 = 5;
@@ -78,7 +78,7 @@ pub struct WireInfo {
 }
 
 /// What was run, on what, under which limits.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Header {
     /// Emulated or real.
     pub source: Source,
@@ -93,6 +93,7 @@ pub struct Header {
     /// SHA-256 of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
     /// PRE_SCALE of every board: with it the true PWM frequency.
+    #[serde(serialize_with = "plain")]
     pub pre_scale: Prescale,
     /// Stimulus duration tau_d, microseconds.
     pub tau_d_us: u64,
@@ -118,6 +119,12 @@ pub struct Header {
     pub warmth: bool,
 }
 
+/// A register value and its clock as integers.
+fn plain<S: Serializer>(pre_scale: &Prescale, serializer: S) -> Result<S::Ok, S::Error> {
+    let clock = pre_scale.clock();
+    (pre_scale.get(), clock.hz(), clock.tolerance_ppm()).serialize(serializer)
+}
+
 /// One of several displays: a fingertip.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DisplayInfo {
@@ -130,7 +137,7 @@ pub struct DisplayInfo {
 }
 
 /// What the wires were told, counted entry by entry.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Driven {
     /// Stimuli with a pulse.
     pub stimuli: u64,
@@ -152,7 +159,7 @@ impl Driven {
 
 /// Totals of a run that no single event carries, counted or measured while it goes, integers: every printed total
 /// is one of these.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Ledger {
     /// What the wires were told.
     pub driven: Driven,
@@ -162,9 +169,19 @@ pub struct Ledger {
     pub hottest_wire: Option<(i32, u16)>,
     /// Every limit and the worst that came, measured behind the guard, the most used up first; empty where nothing
     /// measures it.
+    #[serde(serialize_with = "billionths")]
     pub margins: Vec<Margin>,
     /// Simulated (or real) length of the run, microseconds.
     pub length_us: u64,
+}
+
+/// Margins as integers: their own form has numbers in the unit.
+fn billionths<S: Serializer>(margins: &[Margin], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(
+        margins
+            .iter()
+            .map(|m| (m.of.name(), m.worst_nano, m.limit_nano)),
+    )
 }
 
 impl Ledger {

@@ -9,7 +9,7 @@ use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{LayoutFile, Loaded, Setup, Source};
 use palpate_records::trace::event;
-use palpate_run::FedSession;
+use palpate_run::EmulatedSession;
 
 const LAYOUT: &str = r#"
 kind = "sensor"
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("expected a sensor layout".into());
     };
     setup.sensor = Loaded { value, source };
-    let mut session = FedSession::fed(&setup, 1)?;
+    let mut session = EmulatedSession::fed(&setup, 1)?;
     session.start(Instant::ZERO)?;
 
     let mut counts = [[0; 3]; 60];

@@ -1,6 +1,7 @@
 //! Rate and loss of every board, bus and interface, and how a real run kept its time.
 
 use palpate_core::projector::Projector;
+use palpate_core::statistics::quantile;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::sensor::rig::SkinBus;
 use palpate_records::i2c::Transfer;
@@ -157,7 +158,7 @@ pub fn boards(projector: &Projector, lost_of: impl Fn(usize) -> u64) -> Vec<Boar
             board: m.address().map(|a| a.board),
             rate_hz: Spread {
                 min: at(0),
-                median: at(rates.len() / 2),
+                median: quantile(&rates, 0.5).map_or(0.0, |middle| f64::from(middle.above)),
                 max: at(rates.len().saturating_sub(1)),
             },
             readings,

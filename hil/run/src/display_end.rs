@@ -4,9 +4,8 @@ mod config;
 
 pub use config::emulated;
 
-use palpate_core::driver::{DriverError, Traffic};
-use palpate_core::projector::{LoopError, Projector};
-use palpate_core::skin::SkinSource;
+use palpate_core::driver::{Driver, DriverError, Traffic};
+use palpate_core::projector::Projector;
 use palpate_core::units::{Board, Duration, Instant, Prescale};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
@@ -23,12 +22,12 @@ use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
 use crate::band::{Band, FeltBand};
 use crate::boards;
-pub use crate::driver::{Driver, OutputEnable};
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
 use crate::heat::{EmulatedHeat, HeatReport};
 use crate::margins::Currents;
+pub use crate::output_enable::OutputEnable;
 use crate::place::Place;
 use crate::plan;
 use crate::policy::{refuse_hardware, refuse_observed};
@@ -47,29 +46,22 @@ const I2C_LOG: usize = 1 << 20;
 
 /// The display end of a session. What has an empty default is what only emulated hardware can do.
 pub trait DisplayEnd {
-    /// What drives the boards.
-    type Driver: Driver;
-
     /// The boards, and the line that cuts them.
-    fn parts(&mut self) -> (&mut Self::Driver, &dyn OutputEnable);
+    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable);
 
-    /// One call of the loop, through the guard to the boards.
-    ///
-    /// # Errors
-    /// The first error of an end.
-    fn poll<S: SkinSource>(
-        &mut self,
-        now: Instant,
-        projector: &mut Projector,
-        skin: &mut S,
-        recorder: &mut Recorder,
-    ) -> Result<bool, LoopError<S::Error, DriverError>> {
-        projector.poll(now, skin, self.parts().0, recorder)
+    /// Emulated registers, where the guard only looks on: its stops are noted and end nothing.
+    fn registers(&mut self) -> Option<&mut RegisterWriter> {
+        None
     }
 
-    /// Whether the guard only looks on: its stops are noted and end nothing.
-    fn is_observed(&self) -> bool {
-        false
+    /// Does what is due before a call of the loop.
+    fn before_call(&mut self, now: Instant, projector: &mut Projector, events: &mut Vec<Event>) {
+        let _ = (now, projector, events);
+    }
+
+    /// Does what is due after a call of the loop, whose newest reading was `heard` then.
+    fn after_call(&mut self, now: Instant, heard: Option<Instant>) {
+        let _ = (now, heard);
     }
 
     /// What updates came to on the buses of the boards.
@@ -370,44 +362,32 @@ impl EmulatedDisplay {
 }
 
 impl DisplayEnd for EmulatedDisplay {
-    type Driver = EmulatedDriver;
-
-    fn parts(&mut self) -> (&mut EmulatedDriver, &dyn OutputEnable) {
-        match &self.driver {
-            EmulatedDriver::Wired(_) => (&mut self.driver, &self.display),
-            EmulatedDriver::Unit(_) => (&mut self.driver, &NoLine),
+    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
+        match &mut self.driver {
+            EmulatedDriver::Wired(banks) => (banks, &self.display),
+            EmulatedDriver::Unit(unit) => (&mut **unit, &NoLine),
         }
     }
 
-    fn poll<S: SkinSource>(
-        &mut self,
-        now: Instant,
-        projector: &mut Projector,
-        skin: &mut S,
-        recorder: &mut Recorder,
-    ) -> Result<bool, LoopError<S::Error, DriverError>> {
+    fn registers(&mut self) -> Option<&mut RegisterWriter> {
+        self.writer.as_mut()
+    }
+
+    fn before_call(&mut self, now: Instant, projector: &mut Projector, events: &mut Vec<Event>) {
         if let Some(heat) = &mut self.heat {
-            heat.turn(now, projector, self.driver.unit(), &mut recorder.events);
-        }
-        match &mut self.writer {
-            Some(writer) => projector.observe(now, skin, writer, recorder),
-            None => {
-                let polled = projector.poll(now, skin, &mut self.driver, recorder);
-                if let Some(unit) = self.driver.unit() {
-                    unit.tell(now, projector.guard().heard());
-                }
-                polled
-            }
+            heat.turn(now, projector, self.driver.unit(), events);
         }
     }
 
-    fn is_observed(&self) -> bool {
-        self.writer.is_some()
+    fn after_call(&mut self, now: Instant, heard: Option<Instant>) {
+        if let Some(unit) = self.driver.unit() {
+            unit.tell(now, heard);
+        }
     }
 
     fn traffic(&mut self) -> Traffic {
         let written = self.writer.as_ref().map(RegisterWriter::traffic);
-        written.unwrap_or_else(|| self.driver.traffic())
+        written.unwrap_or_else(|| self.driver.boards().traffic())
     }
 
     fn advance_to(&mut self, now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {

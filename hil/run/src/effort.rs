@@ -5,6 +5,7 @@ use core::time::Duration;
 use palpate_core::contact::Work;
 use palpate_core::driver::Traffic;
 use palpate_core::projector::Projector;
+use palpate_core::statistics::quantile;
 
 use crate::recorder::Recorder;
 
@@ -192,9 +193,7 @@ impl Effort {
     pub fn frames(&self, kind: FrameKind) -> (usize, f64, f64) {
         let mut sorted = self.times[kind as usize].clone();
         sorted.sort_unstable_by(f32::total_cmp);
-        let median = sorted
-            .get(sorted.len() / 2)
-            .map_or(f64::NAN, |t| f64::from(*t));
+        let median = quantile(&sorted, 0.5).map_or(f64::NAN, |middle| f64::from(middle.above));
         let sum = sorted.iter().map(|t| f64::from(*t)).sum();
         (sorted.len(), median, sum)
     }

@@ -1,18 +1,22 @@
 //! How a command ends when it does not succeed: a message and an exit status.
 
-use std::fmt;
+use std::io;
+use std::path::Path;
 
 use palpate_files::FileError;
+use palpate_records::damage::Damage;
 
 /// Why a command failed; the kinds are the exit statuses of the command line.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub enum Failure {
     /// A check failed: exit 1. Empty where the command has said everything already.
     Check(String),
     /// Usage or bad input: exit 2.
     Input(String),
     /// A file that cannot be used, with its place in it: exit 2.
-    File(FileError),
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A bus or device failed: exit 3.
     Device(String),
     /// The guard stopped the run: exit 4.
@@ -20,15 +24,25 @@ pub enum Failure {
     /// A signal came before the output was whole: exit 130.
     Stopped(String),
     /// An output could not be written: exit 3.
+    #[error("{path}: cannot be written: {error}")]
     Write {
         /// The file or stream.
         path: String,
         /// What the system said.
-        error: std::io::Error,
+        #[source]
+        error: io::Error,
     },
 }
 
 impl Failure {
+    /// Makes what the system said of a file or stream the failure to write it.
+    pub fn written(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
+        move |error| Self::Write {
+            path: path.as_ref().display().to_string(),
+            error,
+        }
+    }
+
     /// The exit status.
     pub const fn status(&self) -> u8 {
         match self {
@@ -66,31 +80,10 @@ impl Failure {
     }
 }
 
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Check(message)
-            | Self::Input(message)
-            | Self::Device(message)
-            | Self::Guard(message)
-            | Self::Stopped(message) => f.write_str(message),
-            Self::File(error) => error.fmt(f),
-            Self::Write { path, error } => write!(f, "{path}: cannot be written: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for Failure {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Write { error, .. } => Some(error),
-            _ => None, // a file's error is the message itself
-        }
-    }
-}
-
-impl From<FileError> for Failure {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
+/// The error of a file of ours, under the name that its user gave, with this damage in it.
+pub fn damaged(path: impl Into<String>, damage: Damage) -> FileError {
+    FileError {
+        line: Some(damage.line),
+        ..FileError::whole(path, damage.expected, damage.found)
     }
 }

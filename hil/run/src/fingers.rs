@@ -1,17 +1,13 @@
 //! Fingers that a person moves while a session runs: a log that the emulated skin reads, and that can be saved.
 //!
 //! A sample holds from its own time on, so a session that reads the log as it grows and a run of the saved scene see
-//! the same touches at every instant. A session looks back by the time from onset to onset at most: what is older is packed.
+//! the same touches at every instant. A full log has 8.6 MB: [`MOST_SAMPLES`] of 40 bytes.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_files::{HandSample, MOST_SAMPLES, Touch, check_sample};
 
 use crate::failure::Failure;
-use crate::packed::Packed;
-
-/// So far back every sample stays as it is, us: twice the longest time from onset to onset that a file may state.
-const BACK_US: i64 = 20_000_000;
 
 /// The fingers on a skin. Clones are the same fingers.
 #[derive(Clone, Debug, Default)]
@@ -27,9 +23,7 @@ struct Log {
 #[derive(Debug)]
 struct Finger {
     number: usize,
-    /// With its newest samples.
     touch: Touch,
-    past: Packed,
 }
 
 impl Fingers {
@@ -76,7 +70,6 @@ impl Fingers {
             touches.push(Finger {
                 number: finger,
                 touch: Touch::by_hand(module, sample),
-                past: Packed::default(),
             });
         }
         Ok(())
@@ -87,7 +80,7 @@ impl Fingers {
     #[must_use]
     pub fn touches(&self, now_us: i64, length_s: f64) -> Vec<Touch> {
         let log = self.log();
-        let mut touches: Vec<Touch> = log.touches.iter().map(Finger::whole).collect();
+        let mut touches: Vec<Touch> = log.touches.iter().map(|own| own.touch.clone()).collect();
         for touch in &mut touches {
             touch.end_s = length_s;
             let samples = &mut touch.path.samples;
@@ -99,7 +92,7 @@ impl Fingers {
         touches
     }
 
-    /// Does something with every touch, in the order in which they began. They know the last seconds alone.
+    /// Does something with every touch, in the order in which they began.
     pub(crate) fn each(&self, mut work: impl FnMut(&Touch)) {
         let log = self.log();
         log.touches.iter().for_each(|finger| work(&finger.touch));
@@ -122,16 +115,8 @@ impl Finger {
             Some(last) if last[1..] == sample[1..] => 0,
             _ => {
                 samples.push(sample);
-                self.past.take(samples, sample[0] - BACK_US);
                 1
             }
         }
-    }
-
-    /// The touch with all of its samples.
-    fn whole(&self) -> Touch {
-        let mut touch = self.touch.clone();
-        touch.path.samples.splice(0..0, self.past.samples());
-        touch
     }
 }

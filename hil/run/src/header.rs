@@ -8,11 +8,16 @@ use palpate_records::trace::{self, Header, PlaceUm, WireInfo};
 
 use crate::failure::Failure;
 use crate::plan;
-use palpate_files::{BenchKind, Setup};
+use palpate_files::{BenchKind, Setup, Source};
 
 /// The files that a run goes back to, as they were read, and `changes.toml` where options had changed them.
 pub fn attachments(setup: &Setup) -> Vec<Attachment> {
-    let mut attached = files(setup);
+    let attached = |(name, source): (String, &Source)| Attachment {
+        name: format!("{name}.toml"),
+        media_type: "application/toml",
+        text: source.text().into(),
+    };
+    let mut attached: Vec<_> = files(setup).into_iter().map(attached).collect();
     attached.extend(setup.changes().map(|text| Attachment {
         name: "changes.toml".into(),
         media_type: "application/toml",
@@ -21,8 +26,8 @@ pub fn attachments(setup: &Setup) -> Vec<Attachment> {
     attached
 }
 
-/// The files that a run goes back to, as they were read.
-pub(crate) fn files(setup: &Setup) -> Vec<Attachment> {
+/// The files that a run goes back to, by their names without an ending.
+pub(crate) fn files(setup: &Setup) -> Vec<(String, &Source)> {
     let files = [
         ("scene", &setup.scene.source),
         ("sensor", &setup.sensor.source),
@@ -45,12 +50,7 @@ pub(crate) fn files(setup: &Setup) -> Vec<Attachment> {
         let files = files.into_iter().chain(worn);
         files.map(|(name, source)| (format!("{}-{name}", finger.name), source))
     });
-    let attached = |(name, source): (String, &palpate_files::Source)| Attachment {
-        name: format!("{name}.toml"),
-        media_type: "application/toml",
-        text: source.text().into(),
-    };
-    own.chain(of_fingers).map(attached).collect()
+    own.chain(of_fingers).collect()
 }
 
 /// What was run, on what.
@@ -78,8 +78,8 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         scene: scene.name.clone(),
         bench: bench.name.clone(),
         seed,
-        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
-        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        scene_digest: short_digest(&setup.scene.source.values()),
+        limits_digest: short_digest(&setup.limits.source.values()),
         pre_scale: projector.guard().prescale(),
         tau_d_us: projector.timing().duration.as_micros(),
         soa_us: projector.timing().soa.as_micros(),

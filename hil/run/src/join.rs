@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use palpate_core::bus::Received;
 use palpate_core::guard::Limits;
 use palpate_files::{Finger, Setup};
+use palpate_records::frame_time::FrameTime;
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin, sort};
 use palpate_records::trace::{Event, Ledger, Trace, event, sort_by_time};
@@ -12,11 +13,12 @@ use palpate_records::trace::{Event, Ledger, Trace, event, sort_by_time};
 use crate::boards::BusReport;
 use crate::effort::Effort;
 use crate::failure::Failure;
+use crate::margins::against;
 use crate::numbers::{joined_header, whole_boards};
 use crate::path_error::PathError;
 use crate::place::Place;
 use crate::script::FaultReport;
-use crate::summary::{DisplaySummary, FrameTime, Summary, Taxels};
+use crate::summary::{DisplaySummary, Summary, Taxels};
 use crate::{DisplayOutcome, Outcome};
 
 /// A finger's run, in its own numbers.
@@ -168,9 +170,9 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
         sort(&mut sum.margins);
         return sum; // a real bench, where nothing measures them
     }
-    let hand_mw = setup.limits.value.limits.hand_60s_uw as f64 * 1e-3;
-    let hand = Margin::new(Limited::HandPower60s, hand_power_mw(setup, parts), hand_mw);
-    sum.margins.push(hand);
+    let hand = (Limited::HandPower60s, hand_power_mw(setup, parts));
+    sum.margins
+        .extend(against(&setup.limits.value.limits, [hand]));
     sort(&mut sum.margins);
     sum
 }

@@ -9,12 +9,10 @@
 
 mod activations;
 mod actuator_bus;
-mod any_skin;
 mod band;
 mod boards;
 pub mod design;
 pub mod display_end;
-pub mod driver;
 pub mod effects;
 pub mod effort;
 pub mod failure;
@@ -31,11 +29,11 @@ pub mod live;
 mod loops;
 mod margins;
 mod numbers;
-mod packed;
+mod output_enable;
 mod pads;
-mod passed;
 mod path_error;
 pub mod picture;
+mod piece;
 pub mod place;
 pub mod plan;
 pub mod policy;
@@ -49,7 +47,6 @@ mod session;
 pub mod skin;
 pub mod skin_end;
 mod stagger;
-mod streamed;
 mod summary;
 mod summary_text;
 mod supervisor;
@@ -63,18 +60,18 @@ mod verdict;
 pub use activations::Activations;
 pub use band::{FeltBand, FeltCorner};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
-pub use failure::Failure;
+pub use failure::{Failure, damaged};
 pub use finder::{Finder, Search};
 pub use fingers::Fingers;
 pub use hand::Hand;
 pub use header::{attachments, header};
 pub use heat::{HeatReport, RemoteHeat};
 pub use levels::{Intensities, dynamic_levels};
-pub use live::{EmulatedSession, EmulatedSkin, FedSession, HeldSession, press};
+pub use live::{EmulatedSession, HeldSession, press};
 pub use loops::{build, build_with, fits};
 pub use margins::exceeded;
 pub use numbers::{joined_header, whole_boards};
-pub use passed::Passed;
+pub use piece::Piece;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
 pub use replay::{
@@ -83,6 +80,7 @@ pub use replay::{
 pub use runner::{run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
+pub use skin::EmulatedSkin;
 pub use stagger::stagger;
 pub use summary::{AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished};
 pub use supervisor::Supervisor;
@@ -261,8 +259,8 @@ pub trait Host {
     ///
     /// # Errors
     /// What keeps it from recording; the run ends.
-    fn record(&mut self, passed: Passed) -> Result<(), Failure> {
-        let _ = passed;
+    fn record(&mut self, piece: Piece) -> Result<(), Failure> {
+        let _ = piece;
         Ok(())
     }
 

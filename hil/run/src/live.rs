@@ -3,21 +3,15 @@
 //! Events wait until they are drained. Where they are not, the oldest are dropped, so a session that is held for
 //! days stays as large as it is.
 
-use core::fmt;
-
-use palpate_core::bus::Received;
 use palpate_core::contact::{Contact, Levels};
 use palpate_core::projector::{ForeignContacts, Projector};
-use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
+use palpate_core::skin::{ModuleScan, ScanError};
 use palpate_core::units::{Duration, Instant};
-use palpate_emulators::sensor::can::faults::Faulty;
-use palpate_emulators::sensor::rig::Handle;
-use palpate_emulators::sensor::{Press, SkinArray, Touches};
+use palpate_emulators::sensor::{Press, Touches};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 
 use crate::activations::{self, Activations};
-use crate::boards::BusReport;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
 use crate::fingers::Fingers;
@@ -27,107 +21,15 @@ use crate::loops::build;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::session::Session;
-use crate::skin::Played;
-use crate::skin_end::{Elsewhere, FaultySkin, SkinEnd, Tap};
+use crate::skin::EmulatedSkin;
+use crate::skin_end::{Elsewhere, SkinEnd};
 use crate::{plan, skin};
 
 /// Events that wait to be drained at most: a minute or two of touches, 6 MB.
 const MOST_EVENTS: usize = 1 << 16;
 
-/// An emulated skin of any kind.
-#[allow(clippy::large_enum_variant)] // a session has one
-pub enum EmulatedSkin {
-    /// Boards on sensor buses.
-    Boards(CanSkin<Tap<Faulty<Handle>>>),
-    /// Whole scans of a skin that no bus carries.
-    Array(SkinArray),
-}
-
-impl fmt::Debug for EmulatedSkin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Boards(_) => "EmulatedSkin::Boards",
-            Self::Array(_) => "EmulatedSkin::Array",
-        })
-    }
-}
-
-impl SkinSource for EmulatedSkin {
-    type Error = <CanSkin<Tap<Faulty<Handle>>> as SkinSource>::Error;
-
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Self::Error> {
-        match self {
-            Self::Boards(boards) => boards.scans(now, take),
-            Self::Array(array) => array.scans(now, take).map_err(|never| match never {}),
-        }
-    }
-}
-
-impl EmulatedSkin {
-    /// A setup's skin under its scene's touches, sending from the start.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] for what fits no emulated skin.
-    pub fn scene(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let layout = plan::layout(&setup.sensor.value)?;
-        Ok(match skin::is_array(setup) {
-            true => Self::Array(skin::array(setup, &layout, seed)?),
-            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
-        })
-    }
-}
-
-impl SkinEnd for EmulatedSkin {
-    fn advance_to(&mut self, now: Instant) {
-        match self {
-            Self::Boards(boards) => boards.advance_to(now),
-            Self::Array(array) => array.advance_to(now),
-        }
-    }
-
-    fn start(&mut self, module: usize) {
-        if let Self::Boards(boards) = self {
-            SkinEnd::start(boards, module);
-        }
-    }
-
-    fn lost_of(&self, module: usize) -> u64 {
-        match self {
-            Self::Boards(boards) => SkinEnd::lost_of(boards, module),
-            Self::Array(_) => 0,
-        }
-    }
-
-    fn take_frames(&mut self) -> Vec<Received> {
-        match self {
-            Self::Boards(boards) => boards.take_frames(),
-            Self::Array(_) => Vec::new(),
-        }
-    }
-
-    fn emulated(&mut self) -> FaultySkin<'_> {
-        match self {
-            Self::Boards(boards) => boards.emulated(),
-            Self::Array(_) => None,
-        }
-    }
-
-    fn buses(&self) -> Vec<BusReport> {
-        match self {
-            Self::Boards(boards) => SkinEnd::buses(boards),
-            Self::Array(_) => Vec::new(),
-        }
-    }
-}
-
-/// A session on an emulated skin and an emulated display.
+/// A session between an emulated skin, or readings that are pushed, and an emulated display.
 pub type EmulatedSession = Session<EmulatedSkin, EmulatedDisplay>;
-/// A session that readings are pushed into, on an emulated display.
-pub type FedSession = Session<(), EmulatedDisplay>;
 /// A session that contacts are handed to, on a display of any kind.
 pub type HeldSession<D = EmulatedDisplay> = Session<Elsewhere, D>;
 
@@ -138,7 +40,7 @@ impl EmulatedSession {
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
         let truth = Truth::of(setup);
-        let skin = EmulatedSkin::scene(setup, seed)?;
+        let skin = skin::scene(setup, seed, None)?;
         Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
     }
 
@@ -148,12 +50,8 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn played(setup: &Setup, seed: u64) -> Result<(Self, Fingers), Failure> {
-        let layout = plan::layout(&setup.sensor.value)?;
         let fingers = Fingers::default();
-        let skin = match skin::played(setup, &layout, seed, &fingers)? {
-            Played::Boards(handle) => boards(setup, &layout, seed, handle),
-            Played::Array(array) => EmulatedSkin::Array(*array),
-        };
+        let skin = skin::scene(setup, seed, Some(&fingers))?;
         let truth = Truth::played(setup, &fingers);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         let projector = of_setup(setup, seed)?;
@@ -191,20 +89,31 @@ impl EmulatedSession {
         let layout = plan::layout(&setup.sensor.value)?;
         let hands: Vec<Hand> = layout.modules().iter().map(|_| Hand::default()).collect();
         let hand = |module: usize| -> Box<dyn Touches + Send> { Box::new(hands[module].clone()) };
-        let skin = match skin::is_array(setup) {
-            true => EmulatedSkin::Array(skin::array_under(setup, &layout, seed, hand)),
-            false => boards(
-                setup,
-                &layout,
-                seed,
-                skin::under(setup, &layout, seed, hand)?,
-            ),
-        };
+        let skin = skin::under(setup, &layout, seed, hand)?;
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
         Ok((session, hands))
+    }
+
+    /// A setup's loop and emulated display, for readings of any skin.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no loop.
+    pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        let ends: (EmulatedSkin, Truth) = (Box::new(()), Truth::Unknown);
+        Self::on(setup, seed, of_setup(setup, seed)?, ends, policy)
+    }
+
+    /// Takes one module's scan; what it makes due happens with the next turn.
+    ///
+    /// # Errors
+    /// A scan that is not of the setup's layout; nothing has changed then.
+    pub fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
+        let (_, projector, recorder) = self.all();
+        projector.push(scan, recorder)
     }
 
     fn on(
@@ -229,36 +138,6 @@ impl EmulatedSession {
 /// The loop of a setup, with levels by what has come so far.
 fn of_setup(setup: &Setup, seed: u64) -> Result<Projector, Failure> {
     build(setup, seed, dynamic_levels(&setup.scene.value.compression))
-}
-
-/// Emulated boards as the loop reads them.
-fn boards(setup: &Setup, layout: &Layout, seed: u64, boards: Handle) -> EmulatedSkin {
-    let bus = Tap::new(Faulty::new(boards, seed, "sensor bus"), false);
-    EmulatedSkin::Boards(skin::source(setup, layout, bus))
-}
-
-impl FedSession {
-    /// A setup's loop and emulated display, for readings of any skin.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] for what fits no loop.
-    pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let projector = of_setup(setup, seed)?;
-        let display = EmulatedDisplay::new(setup, &projector, seed)?;
-        let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
-        let ends = ((), display);
-        let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        Ok(Self::new(projector, ends, policy, recorder, None))
-    }
-
-    /// Takes one module's scan; what it makes due happens with the next turn.
-    ///
-    /// # Errors
-    /// A scan that is not of the setup's layout; nothing has changed then.
-    pub fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
-        let (_, projector, recorder) = self.all();
-        projector.push(scan, recorder)
-    }
 }
 
 impl HeldSession {

@@ -23,52 +23,40 @@ const STRETCH: Nanos = Nanos(600_000_000_000);
 /// What stays then: the longest window of a limit, and a burst.
 const OVERLAP: Nanos = Nanos(70_000_000_000);
 
-/// The worst of what flowed, in the units of the limits.
-#[derive(Clone, Copy, Debug, Default)]
-struct Worst {
-    pulse_us: f64,
-    burst_ms: f64,
-    burst_mj: f64,
-    wire_1s_mw: f64,
-    wire_10s_mw: f64,
-    finger_1s_mw: f64,
-    finger_60s_mw: f64,
-}
+/// What limits the currents that flow.
+const OF_CURRENTS: [Limited; 7] = [
+    Limited::Pulse,
+    Limited::Burst,
+    Limited::BurstEnergy,
+    Limited::WirePower1s,
+    Limited::WirePower10s,
+    Limited::FingertipPower1s,
+    Limited::FingertipPower60s,
+];
 
-impl Worst {
-    fn of(flows: &[Flow], wires: usize) -> Self {
-        let each: Vec<Energy> = (0..wires)
-            .map(|w| Energy::of(flows, |f| f.wire == w))
-            .collect();
-        let finger = Energy::of(flows, |_| true);
-        let worst = |seconds: f64| {
-            let means = each.iter().map(|e| e.worst_mean_mw(seconds));
-            means.fold(0.0, f64::max)
-        };
-        let longest = flows.iter().map(|f| f.to.since(f.from).0).max();
-        let (burst_ms, burst_mj) = bursts(flows, wires);
-        Self {
-            pulse_us: longest.unwrap_or(0) as f64 * 1e-3,
-            burst_ms,
-            burst_mj,
-            wire_1s_mw: worst(1.0),
-            wire_10s_mw: worst(10.0),
-            finger_1s_mw: finger.worst_mean_mw(1.0),
-            finger_60s_mw: finger.worst_mean_mw(60.0),
-        }
-    }
+/// The worst of what flowed for each of [`OF_CURRENTS`], in its unit.
+type Worst = [f64; 7];
 
-    fn or(self, other: &Self) -> Self {
-        Self {
-            pulse_us: self.pulse_us.max(other.pulse_us),
-            burst_ms: self.burst_ms.max(other.burst_ms),
-            burst_mj: self.burst_mj.max(other.burst_mj),
-            wire_1s_mw: self.wire_1s_mw.max(other.wire_1s_mw),
-            wire_10s_mw: self.wire_10s_mw.max(other.wire_10s_mw),
-            finger_1s_mw: self.finger_1s_mw.max(other.finger_1s_mw),
-            finger_60s_mw: self.finger_60s_mw.max(other.finger_60s_mw),
-        }
-    }
+fn worst_of(flows: &[Flow], wires: usize) -> Worst {
+    let each: Vec<Energy> = (0..wires)
+        .map(|w| Energy::of(flows, |f| f.wire == w))
+        .collect();
+    let finger = Energy::of(flows, |_| true);
+    let worst = |seconds: f64| {
+        let means = each.iter().map(|e| e.worst_mean_mw(seconds));
+        means.fold(0.0, f64::max)
+    };
+    let longest = flows.iter().map(|f| f.to.since(f.from).0).max();
+    let (burst_ms, burst_mj) = bursts(flows, wires);
+    [
+        longest.unwrap_or(0) as f64 * 1e-3,
+        burst_ms,
+        burst_mj,
+        worst(1.0),
+        worst(10.0),
+        finger.worst_mean_mw(1.0),
+        finger.worst_mean_mw(60.0),
+    ]
 }
 
 /// What flowed in a run of any length: the worst of it, and the last stretch.
@@ -82,19 +70,10 @@ pub struct Currents {
 
 impl Currents {
     /// Nothing, in so many wires.
-    pub const fn new(wires: usize) -> Self {
+    pub fn new(wires: usize) -> Self {
         Self {
             wires,
-            worst: Worst {
-                pulse_us: 0.0,
-                burst_ms: 0.0,
-                burst_mj: 0.0,
-                wire_1s_mw: 0.0,
-                wire_10s_mw: 0.0,
-                finger_1s_mw: 0.0,
-                finger_60s_mw: 0.0,
-            },
-            flows: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -110,7 +89,8 @@ impl Currents {
     }
 
     fn worst(&self) -> Worst {
-        self.worst.or(&Worst::of(&self.flows, self.wires))
+        let newest = worst_of(&self.flows, self.wires);
+        std::array::from_fn(|row| self.worst[row].max(newest[row]))
     }
 }
 
@@ -125,64 +105,56 @@ pub fn warmth(sample: &ThermalSample) -> Warmth {
     }
 }
 
-/// The margins, most used up first.
-pub fn margins(course: &Course<'_>, limits: &Limits) -> Vec<Margin> {
-    let worst = course.currents.worst();
-    let means = course.samples.iter().map(|s| s.mean_c);
-    let totals = course.totals;
-    let kilo = |milli: u64| milli as f64 * 1e-3;
-    use Limited as L;
-    let mut all: Vec<Margin> = [
-        (L::Pulse, worst.pulse_us, kilo(limits.pulse_width_ns)),
-        (L::Burst, worst.burst_ms, kilo(limits.burst.as_micros())),
-        (
-            L::BurstEnergy,
-            worst.burst_mj,
-            limits.burst_energy_nj as f64 * 1e-6,
-        ),
-        (L::WirePower1s, worst.wire_1s_mw, kilo(limits.wire_1s_uw)),
-        (L::WirePower10s, worst.wire_10s_mw, kilo(limits.wire_10s_uw)),
-        (
-            L::FingertipPower1s,
-            worst.finger_1s_mw,
-            kilo(limits.fingertip_1s_uw),
-        ),
-        (
-            L::FingertipPower60s,
-            worst.finger_60s_mw,
-            kilo(limits.fingertip_60s_uw),
-        ),
-        (
-            L::SupplyCurrent,
-            f64::from(totals.peak_supply.0) * 1e-3,
-            f64::from(limits.supply.0) * 1e-3,
-        ),
-        (
-            L::SkinMean,
-            means.fold(f64::NEG_INFINITY, f64::max),
-            limits.skin_mean_mc as f64 / 1e3,
-        ),
-        (
-            L::SkinPeak,
-            totals.hottest_tissue_c,
-            limits.skin_peak_mc as f64 / 1e3,
-        ),
-        (
-            L::SkinDeep,
-            totals.hottest_deep_c,
-            limits.skin_deep_mc as f64 / 1e3,
-        ),
-        (
-            L::Henriques,
-            totals.dose.0,
-            limits.dose_omega_ppm as f64 / 1e6,
-        ),
-        (L::Cem43, totals.dose.1, limits.dose_cem43_ms as f64 / 60e3),
-    ]
-    .map(|(of, worst, limit)| Margin::new(of, worst, limit))
-    .into();
+/// A limit in its unit; none for what another table limits.
+fn limit(of: Limited, limits: &Limits) -> Option<f64> {
+    let (value, unit) = match of {
+        Limited::Pulse => (limits.pulse_width_ns, 1e-3),
+        Limited::Burst => (limits.burst.as_micros(), 1e-3),
+        Limited::BurstEnergy => (limits.burst_energy_nj, 1e-6),
+        Limited::WirePower1s => (limits.wire_1s_uw, 1e-3),
+        Limited::WirePower10s => (limits.wire_10s_uw, 1e-3),
+        Limited::FingertipPower1s => (limits.fingertip_1s_uw, 1e-3),
+        Limited::FingertipPower60s => (limits.fingertip_60s_uw, 1e-3),
+        Limited::HandPower60s => (limits.hand_60s_uw, 1e-3),
+        Limited::SupplyCurrent => (limits.supply.0.into(), 1e-3),
+        Limited::SkinMean => (limits.skin_mean_mc, 1e-3),
+        Limited::SkinPeak => (limits.skin_peak_mc, 1e-3),
+        Limited::SkinDeep => (limits.skin_deep_mc, 1e-3),
+        Limited::Henriques => (limits.dose_omega_ppm, 1e-6),
+        Limited::Cem43 => (limits.dose_cem43_ms, 1.0 / 60e3),
+        Limited::FaceWarm
+        | Limited::FaceCold
+        | Limited::FaceRamp
+        | Limited::Sink
+        | Limited::PeltierCurrent => return None,
+    };
+    Some(value as f64 * unit)
+}
+
+/// What was worst beside its limit, most used up first.
+pub fn against(limits: &Limits, worst: impl IntoIterator<Item = (Limited, f64)>) -> Vec<Margin> {
+    let margin = |(of, worst)| Some(Margin::new(of, worst, limit(of, limits)?));
+    let mut all: Vec<Margin> = worst.into_iter().filter_map(margin).collect();
     sort(&mut all);
     all
+}
+
+/// The margins, most used up first.
+pub fn margins(course: &Course<'_>, limits: &Limits) -> Vec<Margin> {
+    let totals = course.totals;
+    let means = course.samples.iter().map(|s| s.mean_c);
+    let mean_c = means.fold(f64::NEG_INFINITY, f64::max);
+    let supply_a = f64::from(totals.peak_supply.0) * 1e-3;
+    let currents = OF_CURRENTS.into_iter().zip(course.currents.worst());
+    let others = [
+        (Limited::SupplyCurrent, supply_a),
+        (Limited::SkinMean, mean_c),
+        (Limited::SkinPeak, totals.hottest_tissue_c),
+        (Limited::SkinDeep, totals.hottest_deep_c),
+        (Limited::Henriques, totals.dose.0),
+        (Limited::Cem43, totals.dose.1),
+    ];
+    against(limits, currents.chain(others))
 }
 
 /// The rows that a guard knows were passed, most first, where no instrument says what flowed: none unless a wire was on
@@ -191,34 +163,18 @@ pub fn exceeded(guard: &Guard) -> Vec<Margin> {
     let Some(found) = guard.overrun() else {
         return Vec::new();
     };
-    let (limits, skin) = (guard.limits(), guard.predicted());
-    let milli = |value: u64| value as f64 * 1e-3;
-    use Limited as L;
-    let mut all: Vec<Margin> = [
-        (
-            L::Burst,
-            milli(found.on.as_micros()),
-            milli(limits.burst.as_micros()),
-        ),
-        (
-            L::BurstEnergy,
-            found.energy_nj as f64 * 1e-6,
-            limits.burst_energy_nj as f64 * 1e-6,
-        ),
-        (L::SkinMean, skin.mean_c, milli(limits.skin_mean_mc)),
-        (L::SkinPeak, skin.peak_c, milli(limits.skin_peak_mc)),
-        (L::SkinDeep, skin.deep_c, milli(limits.skin_deep_mc)),
-        (
-            L::Henriques,
-            skin.omega,
-            limits.dose_omega_ppm as f64 * 1e-6,
-        ),
-        (L::Cem43, skin.cem43_min, limits.dose_cem43_ms as f64 / 60e3),
-    ]
-    .map(|(of, worst, limit)| Margin::new(of, worst, limit))
-    .into();
+    let skin = guard.predicted();
+    let worst = [
+        (Limited::Burst, found.on.as_micros() as f64 * 1e-3),
+        (Limited::BurstEnergy, found.energy_nj as f64 * 1e-6),
+        (Limited::SkinMean, skin.mean_c),
+        (Limited::SkinPeak, skin.peak_c),
+        (Limited::SkinDeep, skin.deep_c),
+        (Limited::Henriques, skin.omega),
+        (Limited::Cem43, skin.cem43_min),
+    ];
+    let mut all = against(guard.limits(), worst);
     all.retain(Margin::over);
-    sort(&mut all);
     all
 }
 

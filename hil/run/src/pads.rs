@@ -1,10 +1,9 @@
 //! What of a skin one of several fingers reads: scans of its own modules, by its own numbers.
 
-use core::convert::Infallible;
-
-use palpate_core::skin::{ModuleScan, SkinSource};
+use palpate_core::skin::ModuleScan;
 use palpate_core::units::Instant;
 
+use crate::failure::Failure;
 use crate::skin_end::SkinEnd;
 
 /// A scan that waits for its finger's next turn.
@@ -53,7 +52,7 @@ impl Pads {
     }
 
     /// Tells the skin's boards what the finger's loop has for them, and asks what was lost.
-    pub fn exchange(&mut self, skin: &mut impl SkinEnd) {
+    pub fn exchange(&mut self, skin: &mut dyn SkinEnd) {
         self.silent.drain(..).for_each(|module| skin.start(module));
         for (lost, module) in self.lost.iter_mut().zip(&self.modules) {
             *lost = skin.lost_of(*module);
@@ -61,14 +60,12 @@ impl Pads {
     }
 }
 
-impl SkinSource for Pads {
-    type Error = Infallible;
-
+impl SkinEnd for Pads {
     fn scans(
         &mut self,
         _now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Infallible> {
+        take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
         for held in self.held.drain(..) {
             take(&ModuleScan {
                 module: held.module,
@@ -79,9 +76,7 @@ impl SkinSource for Pads {
         }
         Ok(())
     }
-}
 
-impl SkinEnd for Pads {
     /// The skin that they are part of has its own time.
     fn advance_to(&mut self, _now: Instant) {}
 

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use embedded_can::ErrorKind;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::skin::{Layout, ModuleScan, SkinSource};
+use palpate_core::skin::{Layout, Module, ModuleScan};
 use palpate_core::units::Instant;
-use palpate_files::SensorLayout;
+use palpate_files::{FileError, SensorLayout};
 
 use crate::failure::Failure;
 use crate::skin_end::{CanEnd, SkinEnd};
@@ -41,6 +41,11 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     /// # Errors
     /// [`Failure::Input`] for a source that cannot be read again.
     fn rows(&self) -> Result<Box<dyn NextRow + '_>, Failure>;
+
+    /// What was wrong with a row that was pulled; sources that were read before have no such row.
+    fn wrong(&self) -> Option<FileError> {
+        None
+    }
 }
 
 /// Rows that are pulled.
@@ -130,58 +135,95 @@ impl NextRow for Held<'_> {
     }
 }
 
-/// A module of a recording.
-struct Module<'a> {
-    rows: Box<dyn NextRow + 'a>,
-    /// Time of its first row.
-    first: u64,
-    /// When the next row comes, counted from the first, and its counts.
-    due: Option<u64>,
-    row: Vec<u16>,
-    /// Axes per taxel, 1 or 3.
-    axes: usize,
-    /// Taxels that the columns are of.
-    active: Box<[usize]>,
+/// A module's share of a row.
+struct Share {
+    module: u16,
+    /// Taxels that the row has readings of.
+    read: Box<[usize]>,
     /// Which taxels those are.
     fresh: Box<[bool]>,
-    /// The newest row, by taxel.
+    /// The newest readings, by taxel.
     counts: Box<[[u16; 3]]>,
 }
 
+impl Share {
+    fn of((number, module): (u16, &Module)) -> Self {
+        let taxels = 0..module.active().len();
+        Self {
+            module: number,
+            counts: vec![[0; 3]; taxels.len()].into(),
+            read: taxels.filter(|&t| module.active()[t]).collect(),
+            fresh: module.active().into(),
+        }
+    }
+}
+
+/// Rows of one module, or of several side by side.
+struct Source<'a> {
+    /// None after the last row.
+    rows: Option<Box<dyn NextRow + 'a>>,
+    /// The time from which rows are counted: that of the first row where it is not given.
+    first: Option<u64>,
+    /// When the next row is due, counted from there; none while it is not pulled.
+    due: Option<u64>,
+    row: Vec<u16>,
+    modules: Vec<Share>,
+}
+
+impl<'a> Source<'a> {
+    fn new(
+        source: &'a dyn RowSource,
+        first: Option<u64>,
+        modules: Vec<Share>,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            rows: Some(source.rows()?),
+            first,
+            due: None,
+            row: Vec::new(),
+            modules,
+        })
+    }
+
+    /// When the next row is due, which is pulled if it was not; none after the last one.
+    fn due(&mut self) -> Result<Option<u64>, Failure> {
+        if let (None, Some(rows)) = (self.due, &mut self.rows) {
+            match rows.next_row(&mut self.row)? {
+                Some(time) => {
+                    let first = *self.first.get_or_insert(time);
+                    self.due = Some(time.saturating_sub(first));
+                }
+                None => self.rows = None,
+            }
+        }
+        Ok(self.due)
+    }
+}
+
 /// A taxel's counts as they stand in a row: three, or the normal one alone.
-pub(crate) fn axes(counts: &[u16]) -> [u16; 3] {
+fn reading(counts: &[u16]) -> [u16; 3] {
     match *counts {
         [x, y, z] => [x, y, z],
         _ => [0, 0, counts.first().copied().unwrap_or(0)],
     }
 }
 
-impl Module<'_> {
-    /// Takes the row that is due, and looks up the one after it.
-    fn load(&mut self) -> Result<(), Failure> {
-        for (taxel, counts) in self.active.iter().zip(self.row.chunks_exact(self.axes)) {
-            self.counts[*taxel] = axes(counts);
-        }
-        let time = self.rows.next_row(&mut self.row)?;
-        self.due = time.map(|time| time.saturating_sub(self.first));
-        Ok(())
-    }
-}
-
-/// Recorded rows as a skin: any layout, with boards or without.
+/// Rows as a skin: any layout, with boards or without. A row is pulled when the one before it has been taken.
 pub struct Rows<'a> {
-    modules: Vec<Module<'a>>,
+    sources: Vec<Source<'a>>,
+    /// Axes per taxel, 1 or 3.
+    axes: usize,
 }
 
 impl fmt::Debug for Rows<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let due = self.modules.iter().map(|m| m.due);
+        let due = self.sources.iter().map(|source| source.due);
         f.debug_list().entries(due).finish()
     }
 }
 
 impl<'a> Rows<'a> {
-    /// One source per module, each from its own first row on.
+    /// One recording per module, each from its own first row on.
     ///
     /// # Errors
     /// [`Failure::Input`] for sources that are not of this layout.
@@ -199,65 +241,87 @@ impl<'a> Rows<'a> {
             )));
         }
         let axes = usize::from(file.axes);
-        let module = |(source, module): (&'a Arc<dyn RowSource>, &palpate_core::skin::Module)| {
-            let taxels = module.active().len();
-            let active: Box<[usize]> = (0..taxels).filter(|&i| module.active()[i]).collect();
-            let columns = active.len() * axes;
+        let recording = |(source, module): (&'a Arc<dyn RowSource>, (u16, &Module))| {
+            let share = Share::of(module);
+            let columns = share.read.len() * axes;
             let right = match source.columns() {
                 found if found == columns => source.check(),
                 found => Err((format!("{columns} columns"), found.to_string())),
             };
             right.map_err(|(expected, found)| {
-                let what = format!("the recording of module `{}`", module.name());
+                let what = format!("the recording of module `{}`", module.1.name());
                 Failure::Input(format!("{what}: expected {expected}, found {found}"))
             })?;
-            let (mut rows, mut row) = (source.rows()?, Vec::new());
-            let first = rows.next_row(&mut row)?;
-            Ok::<_, Failure>(Module {
-                rows,
-                first: first.unwrap_or(0),
-                due: first.map(|_| 0),
-                row,
-                axes,
-                fresh: module.active().into(),
-                counts: vec![[0; 3]; taxels].into(),
-                active,
-            })
+            let mut own = Source::new(source.as_ref(), None, vec![share])?;
+            own.due()?;
+            Ok::<_, Failure>(own)
         };
-        let modules = sources.iter().zip(layout.modules()).map(module);
+        let modules = (0..).zip(layout.modules());
+        let sources = sources.iter().zip(modules).map(recording);
         Ok(Self {
-            modules: modules.collect::<Result<_, _>>()?,
+            sources: sources.collect::<Result<_, _>>()?,
+            axes,
+        })
+    }
+
+    /// The readings of all of a layout's modules as they come, one module after another in every row. The run's time waits
+    /// for each row.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for rows of another length.
+    pub fn streamed(
+        source: &'a dyn RowSource,
+        file: &SensorLayout,
+        layout: &Layout,
+    ) -> Result<Self, Failure> {
+        let axes = usize::from(file.axes);
+        let modules: Vec<Share> = (0..).zip(layout.modules()).map(Share::of).collect();
+        let columns = axes * modules.iter().map(|m| m.read.len()).sum::<usize>();
+        if source.columns() != columns {
+            return Err(Failure::Input(format!(
+                "the stream: expected rows of {columns} counts, found {}",
+                source.columns()
+            )));
+        }
+        Ok(Self {
+            sources: vec![Source::new(source, Some(0), modules)?],
+            axes,
         })
     }
 }
 
-impl SkinSource for Rows<'_> {
-    type Error = Failure;
-
+impl SkinEnd for Rows<'_> {
     fn scans(
         &mut self,
         now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
+        take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), Failure> {
         loop {
-            let due = self.modules.iter().enumerate();
-            let due = due.filter_map(|(index, m)| Some((m.due?, index)));
-            let Some((time, index)) = due.min().filter(|(t, _)| *t <= now.as_micros()) else {
+            let mut next: Option<(u64, usize)> = None;
+            for (index, source) in self.sources.iter_mut().enumerate() {
+                let due = source.due()?.map(|time| (time, index));
+                next = next.into_iter().chain(due).min();
+            }
+            let Some((time, index)) = next.filter(|(time, _)| *time <= now.as_micros()) else {
                 return Ok(());
             };
-            let module = &mut self.modules[index];
-            module.load()?;
-            take(&ModuleScan {
-                module: index as u16, // a layout has at most 4096
-                at: Instant::from_micros(time),
-                counts: &module.counts,
-                fresh: Some(&module.fresh),
-            });
+            let source = &mut self.sources[index];
+            source.due = None;
+            let mut readings = source.row.chunks_exact(self.axes);
+            for share in &mut source.modules {
+                for (taxel, counts) in share.read.iter().zip(&mut readings) {
+                    share.counts[*taxel] = reading(counts);
+                }
+                take(&ModuleScan {
+                    module: share.module,
+                    at: Instant::from_micros(time),
+                    counts: &share.counts,
+                    fresh: Some(&share.fresh),
+                });
+            }
         }
     }
-}
 
-impl SkinEnd for Rows<'_> {
     fn advance_to(&mut self, _now: Instant) {}
 }
 
@@ -353,16 +417,9 @@ impl fmt::Debug for CanPlayer<'_> {
 }
 
 /// A recording that could not be read again.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct Unplayed(Failure);
-
-impl fmt::Display for Unplayed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl std::error::Error for Unplayed {}
 
 impl embedded_can::Error for Unplayed {
     fn kind(&self) -> ErrorKind {

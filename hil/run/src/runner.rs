@@ -20,14 +20,13 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::actuator_bus::ActuatorBus;
-use crate::any_skin::AnySkin;
-use crate::display_end::EmulatedDisplay;
+use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::loops::{build_with, made};
-use crate::passed::Passing;
+use crate::piece::Pieces;
 use crate::place::{Place, looking};
 use crate::plan::Responses;
 use crate::policy::{Policy, refuse_hardware};
@@ -35,7 +34,6 @@ use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
-use crate::streamed::Streamed;
 use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
@@ -76,9 +74,11 @@ pub fn run_with(
         }
         Input::Stream(rows) => {
             let levels = dynamic_levels(&setup.scene.value.compression);
-            let mut skin = Streamed::new(rows.as_ref(), &setup.sensor.value, &layout)?;
-            let (skin, end) = (AnySkin::of(&mut skin), scene_end(setup));
-            run.project(levels, skin, Truth::Unknown, end, host)
+            let mut skin = Rows::streamed(rows.as_ref(), &setup.sensor.value, &layout)?;
+            let (skin, end) = (&mut skin, scene_end(setup));
+            let ran = run.project(levels, skin, Truth::Unknown, end, host);
+            // To the loop a wrong row is a lost bus.
+            rows.wrong().map_or(ran, |error| Err(error.into()))
         }
         Input::Frames(frames) => {
             let skin = || {
@@ -127,22 +127,20 @@ impl Run<'_> {
         let (setup, scene) = (self.setup, &self.setup.scene.value);
         let end = scene_end(setup);
         if skin::is_array(setup) {
-            let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let levels = self.calibrate(AnySkin::of(&mut skin), end, host)?;
-            let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let skin = AnySkin::of(&mut skin);
-            return self.count(levels, skin, Truth::of(setup), end, host);
+            let skin = || skin::scene(setup, self.seed, None);
+            let levels = self.calibrate(&mut skin()?, end, host)?;
+            return self.count(levels, &mut skin()?, Truth::of(setup), end, host);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = self.calibrate(AnySkin::of(&mut first), end, host)?;
+        let levels = self.calibrate(&mut first, end, host)?;
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
             tape.rewind(end);
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
             let mut skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
-            let played = AnySkin::of(&mut skin);
+            let played = &mut skin;
             let outcome = self.count(levels.clone(), played, Truth::of(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
@@ -150,7 +148,7 @@ impl Run<'_> {
         }
         let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
         let mut skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
-        let skin = AnySkin::of(&mut skin);
+        let skin = &mut skin;
         self.count(levels, skin, Truth::of(setup), end, host)
     }
 
@@ -174,18 +172,18 @@ impl Run<'_> {
             Some(known) => (known, first),
             None => {
                 let mut first = first;
-                let levels = self.calibrate(AnySkin::of(&mut first), end, host)?;
+                let levels = self.calibrate(&mut first, end, host)?;
                 (levels, skin()?)
             }
         };
-        let skin = AnySkin::of(&mut skin);
+        let skin = &mut skin;
         self.count(levels, skin, Truth::Unknown, end, host)
     }
 
     /// A first pass that finds the levels.
     fn calibrate(
         &self,
-        skin: AnySkin<'_>,
+        skin: &mut dyn SkinEnd,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Levels, Failure> {
@@ -197,7 +195,7 @@ impl Run<'_> {
     fn count(
         &self,
         levels: Levels,
-        skin: AnySkin<'_>,
+        skin: &mut dyn SkinEnd,
         truth: Truth,
         end: Instant,
         host: &mut dyn Host,
@@ -257,14 +255,14 @@ impl Run<'_> {
     fn project(
         &self,
         levels: Levels,
-        skin: AnySkin<'_>,
+        skin: &mut dyn SkinEnd,
         truth: Truth,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
         let place = Place::whole(&self.setup.bench.value);
         let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
-        let mut passing = Passing::new(header.soa_us);
+        let mut pieces = Pieces::new(header.soa_us);
         host.begin(&Beginning {
             setup: self.setup,
             header: &header,
@@ -283,13 +281,17 @@ impl Run<'_> {
         while next < end {
             let now = next;
             let turn = session.turn(now)?;
-            if let Some(passed) = passing.take(&mut session, false) {
-                host.record(passed)?;
+            if let Some(piece) = pieces.take(&mut session, false) {
+                host.record(piece)?;
+            }
+            let is_stopped =
+                turn != Turn::Last && look_on(&session, (now, 0), session.seen().0, host);
+            if is_stopped {
+                let text = format!("{STOPPED_BY}the person who watched");
+                session.recorder().note(now, text);
             }
             match turn {
-                Turn::Next(then) if !look_on(&mut session, host) && !host.passed(behind(now)) => {
-                    next = then;
-                }
+                Turn::Next(then) if !is_stopped && !host.passed(behind(now)) => next = then,
                 Turn::Next(_) | Turn::Last => {
                     last = now;
                     break;
@@ -297,16 +299,11 @@ impl Run<'_> {
             }
         }
         host.end();
-        if let Err(e) = session.switch_off(last)
-            && session.failure().is_none()
-        {
-            session.lose(&e);
-            session.set_failure(Failure::Device(e.to_string()));
-        }
+        session.conclude(last);
         let (display, projector, recorder) = session.all();
         display.settle(last, projector, recorder)?;
-        if let Some(passed) = passing.take(&mut session, true) {
-            host.record(passed)?;
+        if let Some(piece) = pieces.take(&mut session, true) {
+            host.record(piece)?;
         }
         self.outcome(header, &mut session, last, host)
     }
@@ -381,26 +378,35 @@ impl Run<'_> {
     }
 }
 
-/// Shows a turn to the host; whether it wants no more.
-fn look_on(session: &mut Session<AnySkin<'_>, EmulatedDisplay>, host: &mut dyn Host) -> bool {
-    if !host.looks_on() {
-        return false;
+impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
+    /// Shows the turn of a display at a time, with the lines of its sensor buses; the answer.
+    pub fn show<T>(
+        &self,
+        (now, display): (Instant, usize),
+        buses: &dyn Fn() -> Vec<String>,
+        to: impl FnOnce(&TurnView<'_>) -> T,
+    ) -> T {
+        let (_, recorder, look) = self.look();
+        to(&TurnView {
+            now,
+            display,
+            events: &recorder.events,
+            counts: recorder.counts.as_deref().unwrap_or_default(),
+            buses,
+            state: &|wants| look.state(wants),
+        })
     }
-    let now = session.now();
-    let (skin, recorder, look) = session.look();
-    let ended = host.turn(&TurnView {
-        now,
-        display: 0,
-        events: &recorder.events,
-        counts: recorder.counts.as_deref().unwrap_or_default(),
-        buses: &|| skin.buses().iter().map(BusReport::words).collect(),
-        state: &|wants| look.state(wants),
-    });
-    if ended {
-        let note = format!("{STOPPED_BY}the person who watched");
-        session.recorder().note(now, note);
-    }
-    ended
+}
+
+/// Shows a turn to the host, where it looks on; whether it wants no more.
+fn look_on<S: SkinEnd>(
+    session: &Session<S, EmulatedDisplay>,
+    turn: (Instant, usize),
+    skin: &dyn SkinEnd,
+    host: &mut dyn Host,
+) -> bool {
+    let buses = || -> Vec<String> { skin.buses().iter().map(BusReport::words).collect() };
+    host.looks_on() && session.show(turn, &buses, |seen| host.turn(seen))
 }
 
 /// The part of a run that its first pass is, where there are two.
@@ -430,7 +436,7 @@ pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
     let looking = (&*looking(setup), &Responses::default());
-    let skin = AnySkin::of(&mut skin);
+    let skin = &mut skin;
     calibrate(looking, seed, skin, scene_end(setup), &mut ())
 }
 
@@ -444,7 +450,7 @@ impl Observer for Intensities {
 fn calibrate(
     (setup, responses): (&Setup, &Responses),
     seed: u64,
-    mut skin: AnySkin<'_>,
+    skin: &mut dyn SkinEnd,
     end: Instant,
     host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
@@ -460,7 +466,7 @@ fn calibrate(
     let mut now = Instant::ZERO;
     while now < end && !host.passed(HALF * part(now, end)) {
         skin.advance_to(now);
-        let polled = projector.poll(now, &mut skin, &mut Silence, &mut intensities);
+        let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
         polled.map_err(|e| match e {
             LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e}")),
             LoopError::Scan(e) => Failure::Device(format!("skin: {e}")),

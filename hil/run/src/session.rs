@@ -5,13 +5,12 @@
 //! need a stopwatch, are taken. Its holder decides when the next turn is: at once in virtual time, paced on a real
 //! bench.
 
-use palpate_core::driver::{Actuators, DriverError, Traffic};
+use palpate_core::driver::{DriverError, Traffic};
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::{Event, event};
 
 use crate::display_end::DisplayEnd;
-use crate::driver::Driver;
 use crate::effort::{FrameCost, FrameTimes, Stopwatch};
 use crate::failure::Failure;
 use crate::picture::Look;
@@ -189,6 +188,16 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         off
     }
 
+    /// Everything off at `end`. A bus that does not take that is lost, and the failure of a run that had none.
+    pub fn conclude(&mut self, end: Instant) {
+        if let Err(e) = self.switch_off(end)
+            && self.failure.is_none()
+        {
+            self.lose(&e);
+            self.failure = Some(Failure::Device(e.to_string()));
+        }
+    }
+
     /// Does to emulated hardware what the scene's faults say.
     fn fail(&mut self, last: bool) {
         let skin = self.skin.emulated();
@@ -262,7 +271,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     /// Ends a stop of the guard that may end by itself, and keeps one that may not.
     fn reopen(&mut self) {
         let latched = self.projector.guard().latched();
-        let Some(cause) = latched.filter(|_| !self.display.is_observed()) else {
+        let Some(cause) = latched.filter(|_| self.display.registers().is_none()) else {
             return;
         };
         if cause == Cause::ActuatorError || self.policy.latch == LatchPolicy::Reopens {
@@ -293,8 +302,9 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     }
 
     /// The run did not get to act until `now`, and its clock did not count `uncounted` of that: everything off before anything
-    /// else. What was on counts as on meanwhile, and that stays latched for this cause.
-    pub fn unseen(&mut self, now: Instant, uncounted: Duration, cause: &str) {
+    /// else. What was on counts as on meanwhile. On hardware that stays latched for this cause; where stops end by themselves it
+    /// is a stop like any other. Returns whether the run goes on.
+    pub fn unseen(&mut self, now: Instant, uncounted: Duration, cause: &str) -> bool {
         self.now = now;
         let (banks, _) = self.display.parts();
         // What is lost here is tried again below.
@@ -311,10 +321,14 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             Some(overrun) => format!("{cause}; {overrun}"),
             None => cause.to_owned(),
         };
-        self.exceeded = true;
         self.recorder.note(now, format!("stopped: {stopped}"));
+        if self.policy.latch == LatchPolicy::Reopens {
+            return true;
+        }
+        self.exceeded = true;
         let kept = self.display.keep_stopped(&stopped);
         self.failure.get_or_insert(kept);
+        false
     }
 
     /// The wire that was on for too long, in words, with what stopped the run before that was known.
@@ -339,10 +353,14 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     fn poll(&mut self) -> Result<bool, Failure> {
         let before = self.recorder.frames;
         let begun = self.times.begin();
-        let (projector, skin) = (&mut self.projector, &mut self.skin);
-        let polled = self
-            .display
-            .poll(self.now, projector, skin, &mut self.recorder);
+        let (now, display, recorder) = (self.now, &mut self.display, &mut self.recorder);
+        let (projector, skin) = (&mut self.projector, &mut self.skin as &mut dyn SkinEnd);
+        display.before_call(now, projector, &mut recorder.events);
+        let polled = match display.registers() {
+            Some(registers) => projector.poll(now, skin, registers, recorder),
+            None => projector.poll(now, skin, display.parts().0, recorder),
+        };
+        display.after_call(now, projector.guard().heard());
         let frames = self.recorder.frames - before;
         self.times.add(begun, frames, &self.projector.work());
         let polled = match polled {

@@ -5,6 +5,7 @@ use palpate_core::codec::uskin::{ALL_BOARDS, Command, Wiring};
 use palpate_core::skin::{CanSkin, Layout, Module, Protocol};
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::can::NodeConfig;
+use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
 use palpate_emulators::sensor::{
     Delivery, EmulatedModule, Generation, ModuleConfig, SkinArray, Touches, Transducer,
@@ -15,6 +16,7 @@ use super::scripted::Scripted;
 use crate::failure::Failure;
 use crate::fingers::Fingers;
 use crate::plan;
+use crate::skin_end::{SkinEnd, Tap};
 use palpate_files::Setup;
 
 /// CAN bit rate of the sensor boards.
@@ -40,26 +42,24 @@ pub fn boards(
     repeat: Option<Nanos>,
     host: NodeConfig,
 ) -> Result<Handle, Failure> {
-    let lag_s = ModuleConfig::default().mechanics.lag_s;
-    let scripted = |module| -> Box<dyn Touches + Send> {
-        Box::new(Scripted::new(setup, module, seed, lag_s, repeat, None))
-    };
-    touched(setup, layout, seed, host, scripted)
+    touched(
+        setup,
+        layout,
+        seed,
+        host,
+        scripted(setup, seed, repeat, None),
+    )
 }
 
-/// Emulated boards that send from the start, each module under the touches that `touches` gives for it.
-///
-/// # Errors
-/// As [`boards`].
-pub fn under(
+/// What the scene does to each module, and fingers that join it.
+fn scripted(
     setup: &Setup,
-    layout: &Layout,
     seed: u64,
-    touches: impl Fn(usize) -> Box<dyn Touches + Send>,
-) -> Result<Handle, Failure> {
-    let mut handle = touched(setup, layout, seed, NodeConfig::default(), touches)?;
-    start(&mut handle)?;
-    Ok(handle)
+    repeat: Option<Nanos>,
+    fingers: Option<&Fingers>,
+) -> impl Fn(usize) -> Box<dyn Touches + Send> {
+    let lag_s = ModuleConfig::default().mechanics.lag_s;
+    move |module| Box::new(Scripted::new(setup, module, seed, lag_s, repeat, fingers))
 }
 
 fn touched(
@@ -144,76 +144,53 @@ fn pressed(
     skin
 }
 
+/// An emulated skin of any kind: boards on sensor buses, or whole scans of a skin that no bus carries.
+pub type EmulatedSkin = Box<dyn SkinEnd + Send>;
+
 /// Whether a scene's readings come without an emulated bus: over a network, or from a skin that no board sends.
 pub fn is_array(setup: &Setup) -> bool {
     let modules = &setup.sensor.value.modules;
     setup.scene.value.stream.is_some() || modules.iter().all(|m| m.bus.is_none())
 }
 
-/// Such a skin with the scene's touches on it.
+/// A scene's skin with its touches and those of fingers on it, sending from the start.
 ///
 /// # Errors
-/// [`Failure::File`] for a fault that needs a sensor bus.
-pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Failure> {
-    array_with(setup, layout, seed, None)
-}
-
-fn array_with(
-    setup: &Setup,
-    layout: &Layout,
-    seed: u64,
-    fingers: Option<&Fingers>,
-) -> Result<SkinArray, Failure> {
-    let scene = &setup.scene.value;
-    if let Some(index) = scene.faults.iter().position(|f| f.kind.is_of_sensors()) {
+/// As [`boards`]; [`Failure::File`] for a fault that needs a sensor bus where there is none.
+pub fn scene(setup: &Setup, seed: u64, fingers: Option<&Fingers>) -> Result<EmulatedSkin, Failure> {
+    let layout = plan::layout(&setup.sensor.value)?;
+    let mut faults = setup.scene.value.faults.iter();
+    if is_array(setup)
+        && let Some(index) = faults.position(|f| f.kind.is_of_sensors())
+    {
         let key = format!("faults[{index}].kind");
         let expected = "a fault of the display: the readings of this scene come over no sensor bus";
         return Err(Failure::File(setup.scene.source.bad(&key, expected)));
     }
-    let lag_s = ModuleConfig::default().mechanics.lag_s;
-    Ok(array_under(setup, layout, seed, |module| {
-        Box::new(Scripted::new(setup, module, seed, lag_s, None, fingers))
-    }))
+    under(setup, &layout, seed, scripted(setup, seed, None, fingers))
 }
 
-/// An emulated skin of either kind.
-pub enum Played {
-    /// Boards that send from the start.
-    Boards(Handle),
-    /// A skin that no bus carries.
-    Array(Box<SkinArray>),
-}
-
-/// A scene's skin with its touches and those of fingers on it.
+/// A scene's skin, sending from the start, each module under the touches that `touches` gives for it.
 ///
 /// # Errors
-/// As [`boards`] and [`fn@array`].
-pub fn played(
+/// As [`boards`].
+pub fn under(
     setup: &Setup,
     layout: &Layout,
     seed: u64,
-    fingers: &Fingers,
-) -> Result<Played, Failure> {
+    touches: impl Fn(usize) -> Box<dyn Touches + Send>,
+) -> Result<EmulatedSkin, Failure> {
     if is_array(setup) {
-        let array = array_with(setup, layout, seed, Some(fingers))?;
-        return Ok(Played::Array(Box::new(array)));
+        return Ok(Box::new(array(setup, layout, seed, touches)));
     }
-    let lag_s = ModuleConfig::default().mechanics.lag_s;
-    let boards = under(setup, layout, seed, |module| {
-        Box::new(Scripted::new(
-            setup,
-            module,
-            seed,
-            lag_s,
-            None,
-            Some(fingers),
-        ))
-    });
-    boards.map(Played::Boards)
+    let mut handle = touched(setup, layout, seed, NodeConfig::default(), touches)?;
+    start(&mut handle)?;
+    let bus = Tap::new(Faulty::new(handle, seed, "sensor bus"), false);
+    Ok(Box::new(source(setup, layout, bus)))
 }
 
-/// Such a skin, each module under the touches that `touches` gives for it.
-pub fn array_under(
+/// A skin that no bus carries.
+fn array(
     setup: &Setup,
     layout: &Layout,
     seed: u64,

@@ -1,6 +1,5 @@
 //! The sensor end of a run: a skin whose virtual time the session moves, and what is known of its boards.
 
-use core::convert::Infallible;
 use core::fmt;
 
 use palpate_core::bus::{CanBus, Received};
@@ -13,12 +12,20 @@ use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
 
 use crate::boards::{self, BusReport};
+use crate::failure::Failure;
 
 /// A skin behind its fault layer, where there is one to disturb.
 pub type FaultySkin<'a> = Option<&'a mut Faulty<Handle>>;
 
-/// The sensor end of a session. What has an empty default is what boards on a bus have, and other skins lack.
-pub trait SkinEnd: SkinSource<Error: fmt::Display> {
+/// The sensor end of a session. Boards on a bus have what is empty by default; other skins lack it.
+pub trait SkinEnd {
+    /// Hands every scan that was complete by `now` to `take`, the oldest first. Never waits.
+    ///
+    /// # Errors
+    /// The sensor's own; scans that were handed on before it count.
+    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>))
+    -> Result<(), Failure>;
+
     /// Lets time pass until `now`.
     fn advance_to(&mut self, now: Instant);
 
@@ -54,8 +61,74 @@ pub trait SkinEnd: SkinSource<Error: fmt::Display> {
     }
 }
 
+/// Any end behind one type: the loop is compiled for it once.
+impl SkinSource for dyn SkinEnd + '_ {
+    type Error = Failure;
+
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
+        SkinEnd::scans(self, now, take)
+    }
+}
+
+/// Makes an end of a pointer to one.
+macro_rules! pointed_at {
+    ($($pointer:ty),*) => {$(
+        impl<S: SkinEnd + ?Sized> SkinEnd for $pointer {
+            fn scans(
+                &mut self,
+                now: Instant,
+                take: &mut dyn FnMut(&ModuleScan<'_>),
+            ) -> Result<(), Failure> {
+                (**self).scans(now, take)
+            }
+
+            fn advance_to(&mut self, now: Instant) {
+                (**self).advance_to(now);
+            }
+
+            fn has_boards(&self) -> bool {
+                (**self).has_boards()
+            }
+
+            fn start(&mut self, module: usize) {
+                (**self).start(module);
+            }
+
+            fn lost_of(&self, module: usize) -> u64 {
+                (**self).lost_of(module)
+            }
+
+            fn take_frames(&mut self) -> Vec<Received> {
+                (**self).take_frames()
+            }
+
+            fn emulated(&mut self) -> FaultySkin<'_> {
+                (**self).emulated()
+            }
+
+            fn buses(&self) -> Vec<BusReport> {
+                (**self).buses()
+            }
+        }
+    )*};
+}
+
+pointed_at!(&mut S, Box<S>);
+
 /// A skin that no bus carries.
 impl SkinEnd for SkinArray {
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
+        SkinSource::scans(self, now, take).map_err(|never| match never {})
+    }
+
     fn advance_to(&mut self, now: Instant) {
         self.advance(now.into());
     }
@@ -63,6 +136,14 @@ impl SkinEnd for SkinArray {
 
 /// A skin whose readings are pushed.
 impl SkinEnd for () {
+    fn scans(
+        &mut self,
+        _now: Instant,
+        _take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
     fn advance_to(&mut self, _now: Instant) {}
 }
 
@@ -70,19 +151,15 @@ impl SkinEnd for () {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Elsewhere;
 
-impl SkinSource for Elsewhere {
-    type Error = Infallible;
-
+impl SkinEnd for Elsewhere {
     fn scans(
         &mut self,
         _now: Instant,
-        _take: &mut impl FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Infallible> {
+        _take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
         Ok(())
     }
-}
 
-impl SkinEnd for Elsewhere {
     fn advance_to(&mut self, _now: Instant) {}
 
     fn has_boards(&self) -> bool {
@@ -122,6 +199,14 @@ impl CanEnd for Faulty<Handle> {
 
 /// uSkin boards on a bus.
 impl<B: CanEnd> SkinEnd for CanSkin<Tap<B>> {
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut dyn FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Failure> {
+        SkinSource::scans(self, now, take).map_err(|e| Failure::Device(e.to_string()))
+    }
+
     fn advance_to(&mut self, now: Instant) {
         let tap = self.bus_mut();
         tap.now = tap.now.max(now);

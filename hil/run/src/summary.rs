@@ -2,8 +2,10 @@
 
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
+use palpate_core::statistics::{mean, quantile};
 use palpate_core::units::Instant;
 use palpate_records::felt::{FeltPath, decibels};
+use palpate_records::frame_time::FrameTime;
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::path_error;
 use palpate_records::trace::{Header, Ledger, Source, Trace, sort_by_time};
@@ -204,12 +206,12 @@ impl Taxels {
         let mut sorted: Vec<f32> = rates.iter().flat_map(|(_, hz)| hz.clone()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
         let read = parts.clone().any(|(_, part)| part.refresh_hz.is_some());
-        sum.refresh_hz = sorted.first().filter(|_| read).map(|min| Refresh {
-            median: f64::from(sorted[sorted.len() / 2]),
-            min: f64::from(*min),
+        let middle = quantile(&sorted, 0.5).filter(|_| read);
+        sum.refresh_hz = middle.map(|middle| Refresh {
+            median: f64::from(middle.above),
+            min: f64::from(sorted[0]),
         });
-        let count = parts.clone().count().max(1) as f64;
-        sum.repeated = parts.map(|(_, part)| part.repeated).sum::<f64>() / count;
+        sum.repeated = mean(parts.map(|(_, part)| part.repeated)).unwrap_or(0.0);
         sum.refresh_each_hz = rates.into_iter().map(|(_, hz)| hz).collect();
         sum
     }
@@ -239,15 +241,6 @@ impl Taxels {
             self.refresh_each_hz.push(rates);
         }
     }
-}
-
-/// Computing time of a frame, microseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FrameTime {
-    /// Median.
-    pub median: f64,
-    /// 99th percentile.
-    pub p99: f64,
 }
 
 /// The object that `hil run --json` prints.
@@ -338,23 +331,6 @@ impl FeltSummary {
             missing_db: None,
             band: None,
         }
-    }
-}
-
-impl FrameTime {
-    /// Of measured times; `None` for none.
-    pub(crate) fn of(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
-        let mut sorted: Vec<f32> = costs_us.collect();
-        sorted.sort_unstable_by(f32::total_cmp);
-        let at = |part: f64| {
-            sorted
-                .get((part * (sorted.len().checked_sub(1)?) as f64) as usize)
-                .copied()
-        };
-        Some(Self {
-            median: f64::from(at(0.5)?),
-            p99: f64::from(at(0.99)?),
-        })
     }
 }
 

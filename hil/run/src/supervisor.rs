@@ -1,12 +1,11 @@
 //! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
-use palpate_core::driver::Actuators;
+use palpate_core::driver::Driver;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
 
 use crate::display_end::OutputEnable;
-use crate::driver::Driver;
 use crate::failure::Failure;
 use crate::recorder::Recorder;
 use crate::skin_end::SkinEnd;
@@ -63,7 +62,7 @@ impl Supervisor {
     pub fn recover(
         &mut self,
         now: Instant,
-        bank: &mut impl Driver,
+        bank: &mut dyn Driver,
         oe: &dyn OutputEnable,
         events: &mut Vec<Event>,
     ) -> Result<Option<Instant>, Failure> {
@@ -117,7 +116,7 @@ impl Supervisor {
         &mut self,
         now: Instant,
         projector: &mut Projector,
-        bank: &mut impl Actuators,
+        bank: &mut dyn Driver,
         recorder: &mut Recorder,
     ) {
         let Some(cause) = projector.guard().latched() else {
@@ -138,7 +137,7 @@ impl Supervisor {
     pub fn restart_boards(
         &mut self,
         now: Instant,
-        skin: &mut impl SkinEnd,
+        skin: &mut dyn SkinEnd,
         projector: &Projector,
         events: &mut Vec<Event>,
     ) {

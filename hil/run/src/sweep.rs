@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 
 use palpate_files::{Overrides, Setup};
 use palpate_records::digest::short_digest;
-use palpate_records::runs::{RunKey, RunRow, Values};
+use palpate_records::runs::{RunKey, RunRow, values};
 
 use crate::header::files;
 use crate::policy::refuse_hardware;
-use crate::summary::Summary;
 use crate::{Failure, Host, Input, Keep, fits, run_with};
 
 /// Most points of a grid.
@@ -150,11 +149,12 @@ impl Variant {
     }
 }
 
-/// Digest of all files that a run goes back to, without the values in place of theirs.
+/// Digest of the values of all files that a run goes back to, without those that options put in their place.
 fn digest(setup: &Setup) -> String {
     let mut text = String::new();
-    for file in files(setup) {
-        text += &format!("{} {}\n{}\n", file.name, file.text.len(), file.text);
+    for (name, source) in files(setup) {
+        let values = source.values();
+        text += &format!("{name} {}\n{values}\n", values.len());
     }
     let of_fingers = setup.fingers.iter().filter_map(|f| f.texture.as_ref());
     let of_fingers = of_fingers.map(|(_, stroked)| stroked);
@@ -162,45 +162,10 @@ fn digest(setup: &Setup) -> String {
         text += &format!(
             "{:?}\n{}\n",
             stroked.surface,
-            stroked.activation.source.text()
+            stroked.activation.source.values()
         );
     }
-    short_digest(text.as_bytes())
-}
-
-/// The figures of a summary, as tables have them.
-pub fn values(of: &Summary) -> Values {
-    let count = |n: u64| Some(n as f64);
-    let felt = &of.felt_error_mm;
-    let used = of
-        .margins
-        .iter()
-        .map(|m| m.used() * 100.0)
-        .fold(None, |most: Option<f64>, used| {
-            Some(most.map_or(used, |most| most.max(used)))
-        });
-    let all = [
-        of.path_error_mm.map(|e| e.rmse),
-        of.path_error_mm.map(|e| e.max),
-        felt.rmse,
-        felt.max,
-        of.felt.level_db.map(|level| level.median),
-        count(felt.breaks),
-        count(felt.jumps),
-        of.hottest_skin_c,
-        of.hottest_wire_c,
-        of.energy_mj,
-        of.peak_supply_a,
-        // Beyond a million times a limit the number says nothing more.
-        used.map(|percent| percent.min(1e8)),
-        count(u64::from(of.limiter_events)),
-        count(of.contacts),
-        count(of.stimuli),
-        of.texture.as_ref().map(|t| t.roughness),
-        of.taxels.refresh_hz.map(|hz| hz.median),
-    ];
-    // A limit at rest has no part that is used, and no number stands for it.
-    all.map(|value| value.filter(|v| v.is_finite()))
+    short_digest(&text)
 }
 
 #[cfg(test)]

@@ -1,10 +1,8 @@
 //! The raw readings of a scene's emulated skin, as a recording of them would be.
 
-use palpate_core::skin::SkinSource;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 
-use crate::any_skin::AnySkin;
 use crate::failure::Failure;
 use crate::plan;
 use crate::replay::TaxelTable;
@@ -35,12 +33,11 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
     let mut tables: Vec<TaxelTable> = active.iter().map(table).collect();
     let into = (&active[..], &mut tables[..], axes);
     if skin::is_array(setup) {
-        let mut array = skin::array(setup, &layout, seed)?;
-        read(setup, AnySkin::of(&mut array), into, passed)?;
+        read(setup, &mut skin::scene(setup, seed, None)?, into, passed)?;
     } else {
         let boards = Tape::new(skin::emulated(setup, &layout, seed)?);
         let mut source = skin::source(setup, &layout, Tap::new(boards, false));
-        read(setup, AnySkin::of(&mut source), into, passed)?;
+        read(setup, &mut source, into, passed)?;
     }
     Ok(tables)
 }
@@ -48,7 +45,7 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
 /// Fills the tables with the taxels that are read, of so many axes, until the scene ends.
 fn read(
     setup: &Setup,
-    mut source: AnySkin<'_>,
+    source: &mut dyn SkinEnd,
     (active, tables, axes): (&[Vec<usize>], &mut [TaxelTable], usize),
     passed: impl Fn(f64),
 ) -> Result<(), Failure> {

@@ -2,7 +2,9 @@
 //! network.
 
 use palpate_core::codec::link::{MOST, State};
-use palpate_core::driver::{Actuators, Banks, DriverError, Traffic, UnitDriver, UnitSettings};
+use palpate_core::driver::{
+    Actuators, Banks, Driver, DriverError, Traffic, UnitDriver, UnitSettings,
+};
 use palpate_core::guard::Guarded;
 use palpate_core::peltier::Regulator;
 use palpate_core::projector::Projector;
@@ -18,8 +20,8 @@ use palpate_files::{Bench, BenchUnit, Network};
 use palpate_records::trace::Event;
 use serde::Serialize;
 
-use crate::driver::{Driver, OutputEnable};
 use crate::failure::Failure;
+use crate::output_enable::OutputEnable;
 use crate::place::Place;
 use crate::plan;
 
@@ -306,55 +308,11 @@ impl EmulatedDriver {
         }
     }
 
-    fn inner(&self) -> &dyn Driver {
-        match self {
-            Self::Wired(banks) => banks,
-            Self::Unit(unit) => &**unit,
-        }
-    }
-
-    fn inner_mut(&mut self) -> &mut dyn Driver {
+    /// Whichever it is, as the loop drives it.
+    pub fn boards(&mut self) -> &mut dyn Driver {
         match self {
             Self::Wired(banks) => banks,
             Self::Unit(unit) => &mut **unit,
         }
-    }
-}
-
-impl Actuators for EmulatedDriver {
-    type Error = DriverError;
-
-    fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
-        self.inner_mut().apply(update)
-    }
-
-    fn all_off(&mut self) -> Result<(), DriverError> {
-        self.inner_mut().all_off()
-    }
-
-    fn confirmed(&self, asked: Instant) -> Instant {
-        self.inner().confirmed(asked)
-    }
-}
-
-impl Driver for EmulatedDriver {
-    fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
-        self.inner_mut().start(now)
-    }
-
-    fn verify(&mut self) -> Result<(), DriverError> {
-        self.inner_mut().verify()
-    }
-
-    fn retries(&self) -> u64 {
-        self.inner().retries()
-    }
-
-    fn traffic(&self) -> Traffic {
-        self.inner().traffic()
-    }
-
-    fn boards(&self) -> Vec<Board> {
-        self.inner().boards()
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::edges::Capture;
 use super::plan::{Output, Plan};
+use palpate_core::statistics::quantile;
 use palpate_run::Failure;
 
 /// Names of signals and the outputs they were clipped to; empty: by their names (`..b0_ch3`), else the n-th
@@ -69,7 +70,7 @@ pub(super) fn period(pulses: &[&Pulses], nominal: f64) -> Option<f64> {
         distances.extend(near.filter(|d| (0.8..1.25).contains(&(d / nominal))));
     }
     distances.sort_unstable_by(f64::total_cmp);
-    let median = *distances.get(distances.len() / 2)?;
+    let median = quantile(&distances, 0.5)?.above;
     let close = distances
         .iter()
         .filter(|d| (*d / median - 1.0).abs() < 0.01);

@@ -21,7 +21,7 @@ use std::path::Path;
 
 use palpate_files::{FileError, Format, format_of, open};
 
-use crate::progress::Progress;
+use palpate_live::progress::Progress;
 
 /// Most changes of all signals of a capture, 16 bytes each.
 const MOST_CHANGES: usize = 4 << 20;

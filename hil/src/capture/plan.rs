@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use palpate_records::trace::{Event, Trace};
+use palpate_records::bursts::stays;
+use palpate_records::trace::Trace;
 
 /// Board and channel.
 pub type Output = (u8, u8);
@@ -50,42 +51,20 @@ pub(super) struct Burst {
 
 /// The bursts of every output, in the order of time.
 pub(super) fn bursts(trace: &Trace) -> Plan {
-    let mut found: Plan = Plan::new();
-    let mut open: BTreeMap<Output, Burst> = BTreeMap::new();
-    let mut close = |open: &mut BTreeMap<Output, Burst>, output: Output, at: f64| {
-        if let Some(mut burst) = open.remove(&output) {
-            burst.to_ns = burst.to_ns.min(at);
-            found.entry(output).or_default().push(burst);
-        }
-    };
-    for event in &trace.events {
-        let at = event.t_ns() as f64;
-        match event {
-            Event::Schedule(entry) => {
-                let output = (entry.board.0, entry.channel.0);
-                close(&mut open, output, at);
-                if entry.width().get() > 0 {
-                    let burst = Burst {
-                        from_ns: at,
-                        to_ns: entry.until.as_micros() as f64 * 1e3,
-                        on: f64::from(entry.on),
-                        width: f64::from(entry.width().get()),
-                    };
-                    open.insert(output, burst);
-                }
-            }
-            Event::AllOff(off) => {
-                let on = |output: &Output| output.0 == off.board;
-                let outputs: Vec<Output> = open.keys().copied().filter(on).collect();
-                outputs.into_iter().for_each(|o| close(&mut open, o, at));
-            }
-            _ => {}
+    let mut plan = Plan::new();
+    for (entry, to_us) in stays(trace) {
+        let width = entry.width().get();
+        if width > 0 {
+            let output = (entry.board.0, entry.channel.0);
+            plan.entry(output).or_default().push(Burst {
+                from_ns: entry.at.as_micros() as f64 * 1e3,
+                to_ns: to_us as f64 * 1e3,
+                on: f64::from(entry.on),
+                width: f64::from(width),
+            });
         }
     }
-    for (output, burst) in open {
-        found.entry(output).or_default().push(burst);
-    }
-    found
+    plan
 }
 
 /// Whether another output of the board is driven at an instant, or was within the half period before: its counter

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{Buses, Voice, whole};
+use super::{Buses, Voice, whole, within};
 
 /// A signal's name and the output it was clipped to.
 fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
@@ -28,12 +28,9 @@ fn window(text: &str) -> Result<(f64, f64), String> {
     parsed.filter(good).ok_or_else(expected)
 }
 
-/// A band for edges.
+/// A band for edges or places.
 fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(v) if (0.0..=10_000.0).contains(&v) => Ok(v),
-        _ => Err("expected 0 to 10000".into()),
-    }
+    within(text, (0.0, 10_000.0), "")
 }
 
 /// Options of `hil diff`.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Voice;
+use super::{Voice, within};
 
 /// Most numbers of one list.
 const MOST: usize = 1000;
@@ -13,21 +13,11 @@ const MOST: usize = 1000;
 fn numbers(text: &str, low: f64, high: f64) -> Result<Numbers, String> {
     let expected =
         || format!("expected numbers from {low} to {high} between commas, at most {MOST}");
-    let one = |part: &str| {
-        let number = part.trim().parse().ok();
-        number.filter(|n: &f64| (low..=high).contains(n))
-    };
+    let one = |part: &str| within(part.trim(), (low, high), "").ok();
     let all: Option<Vec<f64>> = text.split(',').map(one).collect();
     all.filter(|all| all.len() <= MOST)
         .map(Numbers)
         .ok_or_else(expected)
-}
-
-/// Long enough to listen to, short enough to wait for.
-fn seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok();
-    let within = number.filter(|s: &f64| (3.0..=3600.0).contains(s));
-    within.ok_or_else(|| "expected 3 to 3600 s".into())
 }
 
 /// Values that are tried, in the order of the command line.
@@ -78,7 +68,7 @@ pub struct DesignArgs {
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
     /// How long a wire is driven, s.
-    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = |t: &str| within(t, (3.0, 3600.0), " s"), allow_hyphen_values = true)]
     pub seconds: f64,
     /// Write every point, .csv.
     #[arg(long, value_name = "FILE")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Command, Voice, whole};
+use super::{Command, Voice, whole, within};
 
 /// Seeds, in the order in which they run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,14 +78,6 @@ pub struct SweepArgs {
     pub voice: Voice,
 }
 
-/// A part in percent.
-fn percent(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(v) if (0.0..=100.0).contains(&v) => Ok(v),
-        _ => Err("expected 0 to 100".into()),
-    }
-}
-
 /// Options of `hil compare`.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
@@ -94,7 +86,7 @@ pub struct CompareArgs {
     /// Another one of its kind (default: the folder's summaries are shown over time).
     pub b: Option<PathBuf>,
     /// By how much numbers may differ and count as equal, percent of the larger one.
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent, allow_hyphen_values = true)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |t: &str| within(t, (0.0, 100.0), ""), allow_hyphen_values = true)]
     pub tolerance_percent: f64,
     /// Write the trends of a folder as a page with plots.
     #[arg(long, value_name = "FILE")]

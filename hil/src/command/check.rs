@@ -11,7 +11,7 @@ use palpate_run::Failure;
 use serde_json::json;
 
 use crate::cli::CheckArgs;
-use crate::output::{note, print, write_file};
+use palpate_live::output::{note, print, print_json, write_file};
 
 use super::devices::DEFAULT_BENCH;
 
@@ -56,7 +56,7 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let mut files: Vec<Told> = migrated.iter().map(told).collect();
     together(&mut files);
     if args.json {
-        print(|out| json(&files, out))?;
+        json(&files)?;
     } else {
         print(|out| {
             files
@@ -173,12 +173,11 @@ fn tell(file: &Told, quiet: bool, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn json(files: &[Told], out: &mut dyn Write) -> io::Result<()> {
-    let error = |e: &FileError| {
-        json!({
-            "file": e.path, "line": e.line, "key": e.key, "expected": e.expected, "found": e.found,
-            "text": e.to_string(),
-        })
+fn json(files: &[Told]) -> Result<(), Failure> {
+    let error = |error: &FileError| {
+        let mut told = json!(error);
+        told["text"] = error.to_string().into();
+        told
     };
     let file = |file: &Told| {
         let mut errors: Vec<_> = file.checked.errors.iter().map(error).collect();
@@ -193,6 +192,5 @@ fn json(files: &[Told], out: &mut dyn Write) -> io::Result<()> {
         })
     };
     let all: Vec<_> = files.iter().map(file).collect();
-    serde_json::to_writer(&mut *out, &all)?;
-    writeln!(out)
+    print_json(&all)
 }

@@ -12,9 +12,9 @@ use serde_json::{Value, json};
 
 use crate::cli::{Color, CompareArgs};
 use crate::history::{Compared, Tolerance, Trend, compare_objects, compare_tables, page, trends};
-use crate::output::{Outputs, print};
-use crate::progress::Progress;
 use crate::sweep::read_table;
+use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::progress::Progress;
 
 /// Longest result that is read as a whole.
 const MOST: u64 = 64 << 20;
@@ -24,10 +24,7 @@ const MOST: u64 = 64 << 20;
 /// # Errors
 /// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a figure differs or runs lack.
 pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
     }
@@ -59,10 +56,7 @@ pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
         None => {}
     }
     if args.voice.json {
-        print(|out| {
-            serde_json::to_writer(&mut *out, &object(&compared, &all))?;
-            writeln!(out)
-        })?;
+        print_json(&object(&compared, &all))?;
     } else if !args.voice.quiet {
         print(|out| write(&compared, &all, color.on(&io::stdout()), out))?;
     }

@@ -10,12 +10,12 @@ use palpate_records::trace::{PlaceUm, event};
 use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
-use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
-use crate::progress::Progress;
-use crate::recording::Reading;
 use palpate_files::{
     Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
 };
+use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
+use palpate_live::progress::Progress;
+use palpate_live::recording::Reading;
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
@@ -119,7 +119,7 @@ fn write_csv(
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    writeln!(out, "{}", contacts_csv::HEADER)?;
+    contacts_csv::write_header(&[], &mut *out)?;
     found.each(&mut |row| {
         let contact = event::Contact {
             t_us: row.time_us,
@@ -131,7 +131,7 @@ fn write_csv(
             level: level(&row.contact),
             members: row.contact.members,
         };
-        contacts_csv::write_rows([&contact], &mut *out)
+        contacts_csv::write_rows([&contact], &[], &mut *out)
     })
 }
 
@@ -251,10 +251,7 @@ impl<'a> Recording<'a> {
                     time_us: at.time_us,
                     contact,
                 };
-                each(row).map_err(|error| Failure::Write {
-                    path: "contacts".into(),
-                    error,
-                })?;
+                each(row).map_err(Failure::written("contacts"))?;
             }
         }
         let needed = args.reference_frames as usize + 1;

@@ -5,8 +5,9 @@ use std::io;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_files::{Format, load_alloy, load_person, load_wire};
+use palpate_records::report::page::table;
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot, Svg, dot, escape};
+use palpate_records::report::svg::{self, Plot, Svg, dot, escape, path_key};
 use palpate_records::table::as_csv;
 use palpate_records::verdict::Conclusion;
 use palpate_run::design::{DesignOutcome, PulsePattern, outcome, resized, undominated};
@@ -15,9 +16,9 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::cli::{Color, DesignArgs, Numbers};
-use crate::output::{DESIGNS, Outputs, print};
-use crate::progress::Progress;
 use crate::sweep::page;
+use palpate_live::output::{DESIGNS, Outputs, print, print_json};
+use palpate_live::progress::Progress;
 
 /// Most points: an hour of two cores.
 const MOST: usize = 1_000_000;
@@ -40,10 +41,7 @@ type Computed = (DesignPoint, DesignOutcome, bool);
 /// # Errors
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     if let Some(path) = &args.csv {
         outputs.check_csv(path, DESIGNS)?;
     }
@@ -77,7 +75,7 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
         .map(|((point, outcome), best)| (point, outcome, best))
         .collect();
     if let Some(path) = &args.csv {
-        let text = table(&computed);
+        let text = rows(&computed);
         outputs.write(path, Format::Csv, |out| out.write_all(text.as_bytes()))?;
     }
     // The most strongly felt first; those that none beats before all others of their level.
@@ -191,8 +189,8 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
     ]
 }
 
-/// The points as a table.
-fn table(computed: &[Computed]) -> String {
+/// The points as a table of text.
+fn rows(computed: &[Computed]) -> String {
     let rows = computed.iter().map(fields);
     let head = rows.clone().take(1).map(|fields| fields.map(|f| f.0));
     as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1)))
@@ -212,10 +210,7 @@ fn tell(
             .iter()
             .map(|c| Value::from_iter(fields(c)))
             .collect();
-        return print(|out| {
-            serde_json::to_writer(&mut *out, &all)?;
-            writeln!(out)
-        });
+        return print_json(&all);
     }
     let allowed = computed.iter().filter(|c| c.1.excluded.is_none()).count();
     let best: Vec<&Computed> = computed.iter().filter(|c| c.2).collect();
@@ -271,11 +266,11 @@ fn html(computed: &[Computed], person: &str) -> String {
         all.dedup();
         all
     };
-    let keys: String = currents
-        .iter()
-        .enumerate()
-        .map(|(n, amps)| format!("<span><svg viewBox=\"0 0 26 12\"><path class=\"dots big w{}\" d=\"M13 6h0\"/></svg>{amps:.2} A</span>", n % 8))
-        .collect();
+    let mut keys = String::new();
+    for (n, amps) in currents.iter().enumerate() {
+        let class = format!("dots big w{}", n % 8);
+        path_key(&mut keys, &class, "M13 6h0", &format!("{amps:.2} A"));
+    }
     let _ = write!(
         out,
         "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that the limit table or the bow excludes are left out. The line joins what no other point beats in \
@@ -285,21 +280,34 @@ fn html(computed: &[Computed], person: &str) -> String {
         escape(person),
         chart(computed, &currents)
     );
-    out.push_str("<section><h2>Points that no other beats in level, temperature and current</h2>\n<div class=\"scroll\"><table><tr><th>felt [dB]</th><th>tissue, worst [\u{b0}C]</th><th>wire [\u{b0}C]</th><th>wire, alloy</th><th>geometry, stress</th><th>drive</th></tr>\n");
-    for (point, of, _) in computed.iter().filter(|c| c.2) {
-        let _ = writeln!(
-            out,
-            "<tr><td>{:+.1}</td><td>{:.1}, {:.1}</td><td>{:.1}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-            of.levels.db(),
-            of.skin_c[0],
-            of.skin_c[1],
-            of.wire_c,
-            escape(&point.names.join(", ")),
+    let columns = [
+        "felt [dB]",
+        "tissue, worst [\u{b0}C]",
+        "wire [\u{b0}C]",
+        "wire, alloy",
+        "geometry, stress",
+        "drive",
+    ];
+    let row = |(point, of, _): &Computed| {
+        let cells = vec![
+            format!("{:+.1}", of.levels.db()),
+            format!("{:.1}, {:.1}", of.skin_c[0], of.skin_c[1]),
+            format!("{:.1}", of.wire_c),
+            point.names.join(", "),
             place(point),
-            drive(point, of)
-        );
-    }
-    out.push_str("</table></div></section>\n");
+            drive(point, of),
+        ];
+        (false, cells)
+    };
+    let _ = writeln!(
+        out,
+        "<section><h2>Points that no other beats in level, temperature and current</h2>\n\
+         <div class=\"wide\" tabindex=\"0\">{}</div></section>",
+        table(
+            &columns.map(|name| ("", name)),
+            computed.iter().filter(|c| c.2).map(row)
+        )
+    );
     out + &page::foot()
 }
 
@@ -332,12 +340,7 @@ fn chart(computed: &[Computed], currents: &[f64]) -> String {
     for (skin, level) in cooler.into_iter().filter(|p| p.0.is_finite()) {
         if level > most {
             most = level;
-            let (px, py) = plot.at((skin, level));
-            let _ = write!(
-                front,
-                "{}{px:.1} {py:.1}",
-                if front.is_empty() { 'M' } else { 'L' }
-            );
+            svg::line(&mut front, plot.at((skin, level)));
         }
     }
     // Equal points of several currents show the smallest.

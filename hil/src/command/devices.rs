@@ -6,7 +6,7 @@ use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench, repea
 use palpate_run::Failure;
 
 use crate::cli::UnitOn;
-use crate::link::UnitPlace;
+use palpate_live::link::UnitPlace;
 
 /// The bench of a command without one.
 pub(super) const DEFAULT_BENCH: &str = "emulated";

@@ -7,15 +7,14 @@ use std::{fs, io};
 use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
 use palpate_records::story::Story;
 use palpate_records::verdict::Verdict;
-use serde::Serialize;
 
 use super::long_schedules::long;
 use super::pins::{is_capture, pins};
-use super::schedules::{MOST, damaged, read_log, wires};
+use super::schedules::{MOST, read_log, wires};
 use crate::cli::{Color, DiffArgs};
-use crate::output::{note, print};
 use palpate_files::{FileError, Format, LONGEST_LINE, Lines, format_of};
-use palpate_run::Failure;
+use palpate_live::output::{note, print, print_json};
+use palpate_run::{Failure, damaged};
 
 /// Compares two files.
 ///
@@ -74,22 +73,7 @@ fn told(
 ) -> Result<(), Failure> {
     let means = found.iter().any(|d| d.meaning);
     if args.json {
-        #[derive(Serialize)]
-        struct Line<'a> {
-            text: &'a str,
-            meaning: bool,
-        }
-        let lines: Vec<Line<'_>> = found
-            .iter()
-            .map(|d| Line {
-                text: &d.text,
-                meaning: d.meaning,
-            })
-            .collect();
-        print(|out| {
-            serde_json::to_writer(&mut *out, &lines)?;
-            writeln!(out)
-        })?;
+        print_json(found)?;
     } else if !args.quiet {
         let cosmetic = if means || found.is_empty() {
             ""
@@ -189,6 +173,6 @@ fn open(path: &Path) -> Result<File, Failure> {
     } else {
         Story::read(&text)
     };
-    let story = read.map_err(|damage| damaged(&label, damage))?;
+    let story = read.map_err(|damage| damaged(label, damage))?;
     Ok(File::Story(Box::new(story)))
 }

@@ -4,34 +4,25 @@ use palpate_buses::survey::{Finding, survey};
 use serde::Serialize;
 
 use crate::cli::DoctorArgs;
-use crate::output::print;
-use crate::real::watch;
+use palpate_live::output::{print, print_json};
+use palpate_live::real::watch;
 use palpate_run::Failure;
 
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{State, VERSION};
 
 use super::devices::{bench, unit_of};
-use crate::link::{RemoteUnit, UnitPlace};
+use palpate_live::link::{RemoteUnit, UnitPlace};
 
 /// Exchanges with a unit, the shortest of which counts.
 const EXCHANGES: usize = 8;
 
 /// The JSON object of `--json`.
 #[derive(Serialize)]
-struct Report {
-    findings: Vec<Row>,
+struct Report<'a> {
+    findings: &'a [Finding],
     /// Whether everything a real bench cannot do without is there.
     ready: bool,
-}
-
-/// One thing that was looked at.
-#[derive(Serialize)]
-struct Row {
-    about: &'static str,
-    ok: bool,
-    says: String,
-    remedy: Option<String>,
 }
 
 /// Prints what was found. What is missing is no failure, unless a bench was named.
@@ -63,20 +54,8 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
     findings.extend(place.iter().flat_map(unit));
     let ready = findings.iter().all(|f| f.ok || !f.needed);
     if args.json {
-        let row = |f: Finding| Row {
-            about: f.about,
-            ok: f.ok,
-            says: f.says,
-            remedy: f.remedy,
-        };
-        let report = Report {
-            findings: findings.into_iter().map(row).collect(),
-            ready,
-        };
-        print(|out| {
-            serde_json::to_writer(&mut *out, &report)?;
-            writeln!(out)
-        })?;
+        let findings = &findings;
+        print_json(&Report { findings, ready })?;
     } else {
         print(|out| {
             for finding in &findings {

@@ -1,9 +1,9 @@
 //! `hil emulate`.
 
 use crate::cli::EmulateArgs;
-use crate::emulate::{self, Options};
-use crate::telling::Telling;
 use palpate_files::{Setup, load_bench, load_scene};
+use palpate_live::emulate::{self, Options};
+use palpate_live::telling::Telling;
 use palpate_run::Failure;
 
 use super::devices::DEFAULT_BENCH;
@@ -17,11 +17,6 @@ pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
     let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
     let setup = Setup::join(scene, bench)?;
-    let telling = match (args.json, args.quiet) {
-        (true, _) => Telling::Json,
-        (_, true) => Telling::Nothing,
-        _ => Telling::Words,
-    };
     emulate::serve(
         &setup,
         &Options {
@@ -29,7 +24,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
             await_start: args.await_start,
             oe: args.oe,
             seed: args.seed,
-            telling,
+            telling: Telling::of(args.json, args.quiet),
         },
     )
 }

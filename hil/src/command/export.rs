@@ -8,9 +8,9 @@ use palpate_run::{Failure, taxels};
 
 use super::devices::bench_with;
 use crate::cli::{ExportKind, ExportTaxels, ExportViews};
-use crate::output::{Outputs, make_folder, note, print};
-use crate::progress::Progress;
-use crate::recording::write_taxel_csv;
+use palpate_live::output::{Outputs, make_folder, note, print};
+use palpate_live::progress::Progress;
+use palpate_live::recording::write_taxel_csv;
 
 /// Writes what was asked for.
 ///
@@ -24,10 +24,7 @@ pub fn export(kind: &ExportKind) -> Result<(), Failure> {
 }
 
 fn export_views(args: &ExportViews) -> Result<(), Failure> {
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     let named = |name: &str| {
         let json = name.ends_with(".json");
         let format = if json { Format::Json } else { Format::Xml };
@@ -63,10 +60,7 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     let setup = Setup::join(scene, bench)?;
     let sensor = &setup.sensor.value;
     let paths = paths(&args.out, sensor.modules.len());
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     for path in &paths {
         outputs.check_csv(path, "time_us,txl1_")?;
     }

@@ -9,8 +9,8 @@ use palpate_run::{Failure, plan};
 use serde_json::json;
 
 use crate::cli::{IdentifyArgs, SignalArg};
-use crate::output::print;
-use crate::progress::Progress;
+use palpate_live::output::{print, print_json};
+use palpate_live::progress::Progress;
 
 /// Temperature of skin and wire before the first pulse, degrees C.
 const START_C: f64 = 33.0;
@@ -38,11 +38,10 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
     if args.voice.quiet {
         return Ok(());
     }
+    if args.voice.json {
+        return print_json(&object(&found, unit));
+    }
     print(|out| {
-        if args.voice.json {
-            serde_json::to_writer(&mut *out, &object(&found, unit))?;
-            return writeln!(out);
-        }
         writeln!(
             out,
             "{:26} {:>12} {:>12}  {:>10}",

@@ -6,19 +6,9 @@ use std::path::Path;
 use clap::ValueEnum;
 use palpate_files::{FileError, FileKind, Listed, built_in, illusions, of_folder};
 use palpate_run::Failure;
-use serde_json::json;
 
 use crate::cli::{ListArgs, Shelf};
-use crate::output::print;
-
-/// A line of a list.
-struct Line {
-    kind: &'static str,
-    name: String,
-    description: String,
-    /// Its path; none for what is built in.
-    file: Option<String>,
-}
+use palpate_live::output::{print, print_json};
 
 /// How deep a folder that is named is looked through.
 const DEPTH: usize = 8;
@@ -44,16 +34,10 @@ pub fn list(args: &ListArgs) -> Result<(), Failure> {
         here = of_folder(Path::new("."), 0);
     }
     let lists = shelves.iter().map(|shelf| (*shelf, lines(*shelf, &here)));
-    let lists: Vec<(Shelf, Vec<Line>)> = lists.collect();
+    let lists: Vec<(Shelf, Vec<Listed>)> = lists.collect();
     if args.json {
-        return print(|out| {
-            let lines = lists.iter().flat_map(|(_, lines)| lines);
-            let lines: Vec<serde_json::Value> = lines
-                .map(|l| json!({"kind": l.kind, "name": l.name, "description": l.description, "file": l.file}))
-                .collect();
-            serde_json::to_writer(&mut *out, &lines)?;
-            writeln!(out)
-        });
+        let all: Vec<&Listed> = lists.iter().flat_map(|(_, lines)| lines).collect();
+        return print_json(&all);
     }
     print(|out| {
         for (number, (shelf, lines)) in lists.iter().enumerate() {
@@ -66,7 +50,7 @@ pub fn list(args: &ListArgs) -> Result<(), Failure> {
     })
 }
 
-fn tell(shelf: Shelf, lines: &[Line], titled: bool, out: &mut dyn Write) -> io::Result<()> {
+fn tell(shelf: Shelf, lines: &[Listed], titled: bool, out: &mut dyn Write) -> io::Result<()> {
     let indent = if titled { "  " } else { "" };
     if let (true, Some(value)) = (titled, shelf.to_possible_value()) {
         writeln!(out, "{}", value.get_name())?;
@@ -75,7 +59,7 @@ fn tell(shelf: Shelf, lines: &[Line], titled: bool, out: &mut dyn Write) -> io::
     let width = width.unwrap_or(0);
     for line in lines {
         let here = match &line.file {
-            Some(path) if path.contains('/') => " (a file)",
+            Some(_) if line.name.contains('/') => " (a file)",
             Some(_) => " (in this folder)",
             None => "",
         };
@@ -85,24 +69,12 @@ fn tell(shelf: Shelf, lines: &[Line], titled: bool, out: &mut dyn Write) -> io::
     Ok(())
 }
 
-fn lines(shelf: Shelf, here: &[Listed]) -> Vec<Line> {
+fn lines(shelf: Shelf, here: &[Listed]) -> Vec<Listed> {
     let Some(kind) = kind(shelf) else {
-        let law = |(name, description)| Line {
-            kind: "illusion",
-            name,
-            description,
-            file: None,
-        };
-        return illusions().into_iter().map(law).collect();
+        return illusions();
     };
-    let own = here.iter().filter(|listed| listed.kind == kind).cloned();
-    let line = |listed: Listed| Line {
-        kind: kind.name(),
-        name: listed.name,
-        description: listed.description,
-        file: listed.file.map(|path| path.display().to_string()),
-    };
-    built_in(kind).into_iter().chain(own).map(line).collect()
+    let own = here.iter().filter(|listed| listed.kind == kind.name());
+    built_in(kind).into_iter().chain(own.cloned()).collect()
 }
 
 /// The files of a shelf; none for laws, which are no files.

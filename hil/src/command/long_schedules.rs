@@ -9,9 +9,10 @@ use palpate_records::diff::{Difference, Grade, Tolerance, compare};
 use palpate_records::schedule::check_line;
 use palpate_records::story::Story;
 
-use super::schedules::{MOST, damaged, wires};
-use crate::output::note;
-use crate::progress::Progress;
+use super::schedules::{MOST, wires};
+use palpate_live::output::note;
+use palpate_live::progress::Progress;
+use palpate_run::damaged;
 
 /// Lines before the first difference that are compared with what follows: bursts that are still on there.
 const BEFORE: usize = 1 << 12;

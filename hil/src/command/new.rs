@@ -12,7 +12,7 @@ use crate::cli::{
     LayoutKind, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire,
     positive, whole,
 };
-use crate::output::{make_folder, print, write_file};
+use palpate_live::output::{make_folder, print, write_file};
 
 /// The folder beside a new file that holds the schema for editors.
 const SCHEMAS: &str = ".schemas";

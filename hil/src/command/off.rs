@@ -7,11 +7,11 @@ use palpate_buses::lock::{BusLock, LockError, ask_off};
 use palpate_buses::oe::OeLine;
 
 use crate::cli::OffArgs;
-use crate::link::{RemoteUnit, UnitPlace};
-use crate::output::{note, print};
-use crate::real::watch;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::State;
+use palpate_live::link::{RemoteUnit, UnitPlace};
+use palpate_live::output::{note, print};
+use palpate_live::real::watch;
 use palpate_run::Failure;
 
 use super::devices::{adapters_alone, bench, unit_of};
@@ -75,10 +75,7 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
                 path.display()
             ));
         } else if result.is_ok() {
-            latch.clear().map_err(|error| Failure::Write {
-                path: path.display().to_string(),
-                error,
-            })?;
+            latch.clear().map_err(Failure::written(path))?;
             lines.push(format!("{}: the stop is cleared", path.display()));
         }
     }
@@ -110,10 +107,7 @@ fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
                 "unit {name}: stays latched; `hil off --unlatch` clears it"
             ));
         } else if stopped.is_ok() {
-            latch.clear().map_err(|error| Failure::Write {
-                path: name.clone(),
-                error,
-            })?;
+            latch.clear().map_err(Failure::written(name))?;
             lines.push(format!("unit {name}: the stop is cleared"));
         }
     }

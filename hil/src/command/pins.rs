@@ -6,12 +6,12 @@ use std::path::Path;
 use palpate_records::schedule::read_schedule;
 use palpate_records::verdict::Verdict;
 
-use super::schedules::{damaged, read_log, wires};
+use super::schedules::{read_log, wires};
 use crate::capture::{self, Comparison, Measurement};
 use crate::cli::{Color, DiffArgs};
-use crate::output::{note, print};
 use palpate_files::{LONGEST_LINE, Lines};
-use palpate_run::Failure;
+use palpate_live::output::{note, print, print_json};
+use palpate_run::{Failure, damaged};
 
 /// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
 /// contacts.
@@ -29,14 +29,11 @@ pub(super) fn pins(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     let label = args.a.display().to_string();
     let lines = Lines::open(&args.a, "a schedule (.jsonl)", LONGEST_LINE)?;
     let text = read_log(lines)?;
-    let trace = read_schedule(&text, wires).map_err(|damage| damaged(&label, damage))?;
+    let trace = read_schedule(&text, wires).map_err(|damage| damaged(label, damage))?;
     let seen = capture::read(&args.b)?;
     let found = capture::compare(&trace, &seen, &args.pin, args.window)?;
     if args.json {
-        print(|out| {
-            serde_json::to_writer(&mut *out, &found)?;
-            writeln!(out)
-        })?;
+        print_json(&found)?;
     } else if !args.quiet {
         found.notes.iter().for_each(|text| note(text));
         let colored = color.on(&io::stdout());

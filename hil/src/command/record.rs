@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use palpate_core::units::Duration;
+use palpate_files::Format;
 
 use crate::cli::{RecordArgs, ReplayArgs};
-use crate::output::{Outputs, note, print};
-use crate::record::{self, Kind, kind_of};
-use crate::recording::read_can_recording;
+use palpate_live::output::{Outputs, note, print, print_json};
+use palpate_live::record;
+use palpate_live::recording::read_can_recording;
 use palpate_run::Failure;
 
 /// Records interfaces until stopped.
@@ -15,20 +16,17 @@ use palpate_run::Failure;
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn record(args: &RecordArgs) -> Result<(), Failure> {
-    let kind = |path: &PathBuf| match kind_of(path) {
-        Some(kind @ (Kind::Can | Kind::Mcap)) => Ok((kind, path.clone())),
+    let format = |path: &PathBuf| match Format::of_name(path) {
+        Some(format @ (Format::Candump | Format::Mcap)) => Ok((format, path.clone())),
         _ => Err(Failure::Input(format!(
             "{}: expected a name that ends in .log (candump) or .mcap",
             path.display()
         ))),
     };
-    let files: Vec<_> = args.files.iter().map(kind).collect::<Result<_, _>>()?;
-    let outputs = Outputs {
-        force: args.force,
-        ..Outputs::NEW
-    };
-    for (kind, path) in &files {
-        outputs.check(path, kind.format())?;
+    let files: Vec<_> = args.files.iter().map(format).collect::<Result<_, _>>()?;
+    let outputs = Outputs::of(args.force);
+    for (format, path) in &files {
+        outputs.check(path, *format)?;
     }
     let length = args
         .seconds
@@ -38,10 +36,7 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
     }
     let recorded = record::record(&args.can, &files, length, outputs)?;
     if args.voice.json {
-        return print(|out| {
-            serde_json::to_writer(&mut *out, &recorded)?;
-            writeln!(out)
-        });
+        return print_json(&recorded);
     }
     if args.voice.quiet {
         return Ok(());
@@ -73,10 +68,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     recording.notes.iter().for_each(|text| note(text));
     let played = record::play(&recording, &args.can)?;
     if args.voice.json {
-        return print(|out| {
-            serde_json::to_writer(&mut *out, &played)?;
-            writeln!(out)
-        });
+        return print_json(&played);
     }
     if args.voice.quiet {
         return Ok(());

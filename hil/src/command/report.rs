@@ -8,7 +8,7 @@ use palpate_records::report::{
 };
 use palpate_run::{FeltBand, FeltCorner, Outcome, Refresh};
 
-use crate::host::made;
+use palpate_live::host::made;
 
 /// A row per preset and person: the level at both ends of the gain, and the place's error, which no gain moves.
 fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {

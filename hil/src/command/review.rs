@@ -7,10 +7,10 @@ use palpate_records::diff::{Grade, LINES};
 use palpate_records::story::GoldenKind;
 
 use crate::cli::{Color, ReviewAction, ReviewArgs};
-use crate::output::{Outputs, print};
-use crate::progress::Progress;
 use crate::review::{BLOCKS, Pending, Scene, folder, page, pending, scenes, stacked};
 use palpate_files::Format;
+use palpate_live::output::{Outputs, print};
+use palpate_live::progress::Progress;
 use palpate_run::Failure;
 
 /// The code of text without a colour.
@@ -42,10 +42,7 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
             drop(shown);
             if let Some(path) = &args.html {
                 let text = page(&all);
-                let outputs = Outputs {
-                    force: args.force,
-                    inputs: &[],
-                };
+                let outputs = Outputs::of(args.force);
                 outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
                 return print(|out| {
                     writeln!(out, "wrote {}: {}", path.display(), count(all.len()))

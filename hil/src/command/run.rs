@@ -2,30 +2,25 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use palpate_records::verdict::Verdict;
 
 use crate::cli::{Color, RunArgs, Switch};
-use crate::clock;
-use crate::host::{Onlooker, Records};
-use crate::output::{Outputs, make_folder, note, print, write_file};
-use crate::real::{self, Told};
-use crate::recording::{Reading, ReadingStream, read_joints, recorded};
-use crate::serve::Live;
-use crate::trial::{Trial, TrialEnd, judge, junit};
-use crate::views::Wanted;
+use crate::trial::{Trial, TrialEnd, Try, judge, junit};
 use palpate_files::{
-    DRIFT_S, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, load_scene,
+    DRIFT_S, Format, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, load_scene,
 };
-use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
-
-use crate::record::Kind as LiveKind;
+use palpate_live::output::{make_folder, note, print, print_json, write_file};
+use palpate_live::recording::{Reading, ReadingStream, read_joints, recorded};
+use palpate_live::serve::Live;
+use palpate_live::views::Wanted;
+use palpate_live::{clock, host};
+use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
 
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::run_files::{Format, split, wanted};
+use super::run_files;
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -37,100 +32,17 @@ pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let timing = timing(args)?;
     let setup = setup(args)?;
-    let mut files = wanted(args, &setup)?;
+    let plan = prepare(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
     }
-    let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
-    let told =
-        !args.voice.quiet || args.voice.json || wants(Format::Report) || wants(Format::Summary);
-    let keep = Keep {
-        band: told || args.serve.is_some(),
-        can: wants(Format::Can) || wants(Format::Mcap),
-        i2c: wants(Format::Mcap),
-        readings: match (wants(Format::Mcap), wants(Format::Report)) {
-            (true, _) => KeptReadings::All,
-            (false, true) => KeptReadings::Sampled,
-            (false, false) => KeptReadings::None,
-        },
-        // A recording may last a day; nothing else looks at what this leaves out.
-        summary: !args.replay.is_empty()
-            && setup.fingers.is_empty()
-            && files.iter().all(|(format, _)| format.grows().is_some())
-            && args.junit.is_none()
-            && !args.watch
-            && args.serve.is_none()
-            && !args.explain,
-    };
-    let written = files
-        .iter()
-        .flat_map(|(format, path)| format.paths(path, &setup));
-    let written: Vec<PathBuf> = written.collect();
-    let is_real = setup.bench.value.is_hardware();
-    let mut growing = Vec::new();
-    if is_real || keep.summary {
-        (growing, files) = split(files);
-    }
-    let reading = Reading {
-        timing,
-        prefix: args.columns.clone(),
-        rest_rows: setup.scene.value.reference_frames as usize + 1,
-    };
-    let live = args.serve.map(Live::open).transpose()?;
-    if let Some(live) = &live {
-        let pace = match is_real {
-            true => "",
-            false => "; the run keeps to the wall clock",
-        };
-        note(&format!("live view: {}{pace}", live.url));
-    }
-    let views = Wanted {
-        watch: args.watch,
-        live: live.as_ref(),
-        desk: None,
-    };
-    let ran = if is_real {
-        on_hardware(args, &setup, &reading, (views, &growing))
-    } else {
-        emulated(args, &setup, &reading, views, (keep, growing))
-    };
-    if let Some(live) = &live {
-        live.over(&match &ran {
-            Ok(outcome) => outcome.summary.conclusion.line(),
-            Err(failure) => failure.to_string(),
-        });
-    }
-    let mut outcome = ran?;
-    let checks = args
-        .junit
-        .as_ref()
-        .map(|path| (path, judge(&setup, &outcome)));
-    outcome.summary.date = Some(clock::date(clock::unix_us()));
+    let mut outcome = play(args, &setup, timing, &plan)?;
+    let tried = args.junit.is_some().then(|| judge(&setup, &outcome));
     let failure = outcome.failure.take();
-    outcome.notes.iter().for_each(|text| note(text));
-    let rate = rate_of(args.rate, unclocked(args))?;
-    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
-        note(&format!("{hz} rows a second, from {}", meta.display()));
-    }
-    // Only now: bad input leaves no empty folder behind.
-    if let Some(folder) = &args.out {
-        make_folder(folder)?;
-    }
-    for (format, path) in &files {
-        format.write(path, &setup, &outcome)?;
-    }
-    let mut failed = None;
-    if let Some((path, tried)) = checks {
-        let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
-        let trial = Trial::of(&setup.scene.value.name, tried, took);
-        let suites = [(setup.bench.value.name.clone(), vec![trial.clone()])];
-        let text = junit(&suites);
-        write_file(path, |out| out.write_all(text.as_bytes()))?;
-        if let TrialEnd::Failed(wrong) = trial.end {
-            failed = Some(Failure::Check(wrong.why.join("; ")));
-        }
-    }
-    tell(args, &outcome, &written, color)?;
+    outcome.summary.date = Some(clock::date(clock::unix_us()));
+    remark(args, &outcome)?;
+    let failed = write(args, &setup, &outcome, (&plan, tried))?;
+    tell(args, &outcome, &plan.paths, color)?;
     if args.explain {
         explained(args, |out| explain::done(&outcome, out))?;
     }
@@ -141,42 +53,109 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     }
 }
 
-/// The recordings whose rate is to be looked for: none where a column says when rows came.
-fn unclocked(args: &RunArgs) -> &[PathBuf] {
-    match args.time {
-        Some(_) => &[],
-        None => &args.replay,
-    }
+/// What a run writes, and what it keeps for that.
+struct Plan {
+    keep: Keep,
+    /// Files that grow while it runs.
+    growing: Vec<(Format, PathBuf)>,
+    /// Files that are made when it is over.
+    after: Vec<(Format, PathBuf)>,
+    /// Where all of them are.
+    paths: Vec<PathBuf>,
 }
 
-/// A scene or a recording on an emulated bench.
-fn emulated(
+/// Looks at what is to be written before anything runs.
+fn prepare(args: &RunArgs, setup: &Setup) -> Result<Plan, Failure> {
+    let files = run_files::wanted(args, setup)?;
+    let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
+    let told = !args.voice.quiet || args.voice.json || wants(Format::Html) || wants(Format::Json);
+    let keep = Keep {
+        band: told || args.serve.is_some(),
+        can: wants(Format::Candump) || wants(Format::Mcap),
+        i2c: wants(Format::Mcap),
+        readings: match (wants(Format::Mcap), wants(Format::Html)) {
+            (true, _) => KeptReadings::All,
+            (false, true) => KeptReadings::Sampled,
+            (false, false) => KeptReadings::None,
+        },
+        // A recording may last a day; nothing else looks at what this leaves out.
+        summary: !args.replay.is_empty()
+            && setup.fingers.is_empty()
+            && files.iter().all(|(format, _)| format.grows())
+            && args.junit.is_none()
+            && !args.watch
+            && args.serve.is_none()
+            && !args.explain,
+    };
+    let paths = files
+        .iter()
+        .flat_map(|(format, path)| run_files::paths(*format, path, setup))
+        .collect();
+    let grow = keep.summary || setup.bench.value.is_hardware();
+    let (growing, after) = files
+        .into_iter()
+        .partition(|(format, _)| grow && format.grows());
+    Ok(Plan {
+        keep,
+        growing,
+        after,
+        paths,
+    })
+}
+
+/// Plays a scene or a recording on its bench, before those who look on.
+fn play(args: &RunArgs, setup: &Setup, timing: Timing, plan: &Plan) -> Result<Outcome, Failure> {
+    let live = args.serve.map(Live::open).transpose()?;
+    if let Some(live) = &live {
+        let pace = match setup.bench.value.is_hardware() {
+            true => "",
+            false => "; the run keeps to the wall clock",
+        };
+        note(&format!("live view: {}{pace}", live.url));
+    }
+    let wanted = Wanted {
+        watch: args.watch,
+        live: live.as_ref(),
+        desk: None,
+        quiet: args.voice.quiet,
+        files: &plan.growing,
+        outputs: run_files::outputs(args),
+    };
+    let played = played(args, setup, timing, (plan.keep, wanted));
+    if let Some(live) = &live {
+        live.over(&match &played {
+            Ok(outcome) => outcome.summary.conclusion.line(),
+            Err(failure) => failure.to_string(),
+        });
+    }
+    played
+}
+
+fn played(
     args: &RunArgs,
     setup: &Setup,
-    reading: &Reading,
-    views: Wanted<'_>,
-    (keep, growing): (Keep, Vec<(LiveKind, PathBuf)>),
+    timing: Timing,
+    (keep, wanted): (Keep, Wanted<'_>),
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
-    let open = |address: &String| ReadingStream::open(address, sensor);
-    let stream = args.stream.as_ref().map(open).transpose()?;
-    let (input, notes) = match (&stream, args.replay.as_slice()) {
-        (Some(stream), _) => (Input::Stream(Arc::clone(stream) as _), Vec::new()),
-        (None, []) => (Input::Scene, Vec::new()),
-        (None, paths) => recorded(paths, sensor, reading)?,
+    let reading = Reading {
+        timing,
+        prefix: args.columns.clone(),
+        rest_rows: setup.scene.value.reference_frames as usize + 1,
     };
-    let records = (!growing.is_empty()).then(|| Records {
-        files: growing,
-        attachments: attachments(setup),
-        force: args.force,
-        inputs: args.replay.clone(),
-        drives: setup.scene.value.drives,
-    });
-    let mut host = Onlooker::new(views, records);
-    let outcome = run_with(setup, &input, args.on.seed, keep, &mut host);
-    if let Some(error) = stream.and_then(|stream| stream.wrong()) {
-        return Err(error.into());
+    let (input, notes) = match (&args.stream, args.replay.as_slice()) {
+        (Some(address), _) => {
+            let stream = ReadingStream::open(address, sensor)?;
+            (Input::Stream(stream), Vec::new())
+        }
+        (None, []) => (Input::Scene, Vec::new()),
+        (None, paths) => recorded(paths, sensor, &reading)?,
+    };
+    // What grows has to be somewhere.
+    if let (Some(folder), false) = (&args.out, wanted.files.is_empty()) {
+        make_folder(folder)?;
     }
+    let outcome = host::run(setup, &input, args.on.seed, keep, wanted);
     let outcome = outcome.map_err(|failure| match (failure, args.replay.first()) {
         // The room for runs knows no files.
         (Failure::Input(text), Some(path)) if text.starts_with("the recording") => {
@@ -184,44 +163,53 @@ fn emulated(
         }
         (failure, _) => failure,
     })?;
-    host.finish()?;
     Ok(Outcome { notes, ..outcome })
 }
 
-/// A scene or recording on hardware, with the records that grow while it runs.
-fn on_hardware(
+/// Says what was noticed of the recordings.
+fn remark(args: &RunArgs, outcome: &Outcome) -> Result<(), Failure> {
+    outcome.notes.iter().for_each(|text| note(text));
+    let rate = rate_of(args.rate, unclocked(args))?;
+    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
+        note(&format!("{hz} rows a second, from {}", meta.display()));
+    }
+    Ok(())
+}
+
+/// Writes the files of a run that is over, and what it came to as a trial. Returns how it failed as one.
+fn write(
     args: &RunArgs,
     setup: &Setup,
-    reading: &Reading,
-    (views, growing): (Wanted<'_>, &[(LiveKind, PathBuf)]),
-) -> Result<Outcome, Failure> {
-    let sensor = &setup.sensor.value;
-    let (input, notes) = match (&args.stream, args.replay.as_slice()) {
-        (Some(address), _) => (
-            Input::Stream(ReadingStream::open(address, sensor)? as _),
-            Vec::new(),
-        ),
-        (None, []) => (Input::Scene, Vec::new()),
-        (None, paths) => recorded(paths, sensor, reading)?,
-    };
+    outcome: &Outcome,
+    (plan, tried): (&Plan, Option<Try>),
+) -> Result<Option<Failure>, Failure> {
+    // Only now: bad input leaves no empty folder behind.
     if let Some(folder) = &args.out {
         make_folder(folder)?;
     }
-    let told = Told {
-        quiet: args.voice.quiet,
-        views,
+    for (format, path) in &plan.after {
+        run_files::write(*format, path, setup, outcome)?;
+    }
+    let (Some(path), Some(tried)) = (&args.junit, tried) else {
+        return Ok(None);
     };
-    let outputs = Outputs {
-        force: args.force,
-        ..Outputs::NEW
+    let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
+    let trial = Trial::of(&setup.scene.value.name, tried, took);
+    let failed = match &trial.end {
+        TrialEnd::Failed(wrong) => Some(Failure::Check(wrong.why.join("; "))),
+        _ => None,
     };
-    let wanted = real::Wanted {
-        files: growing,
-        outputs,
-        told,
-    };
-    let outcome = real::run(setup, &input, args.on.seed, wanted)?;
-    Ok(Outcome { notes, ..outcome })
+    let text = junit(&[(setup.bench.value.name.clone(), vec![trial])]);
+    write_file(path, |out| out.write_all(text.as_bytes()))?;
+    Ok(failed)
+}
+
+/// The recordings whose rate is to be looked for: none where a column says when rows came.
+fn unclocked(args: &RunArgs) -> &[PathBuf] {
+    match args.time {
+        Some(_) => &[],
+        None => &args.replay,
+    }
 }
 
 /// Says what a run came to, in the form that the command line chose.
@@ -232,10 +220,7 @@ fn tell(
     color: Color,
 ) -> Result<(), Failure> {
     if args.voice.json {
-        print(|out| {
-            serde_json::to_writer(&mut *out, &outcome.summary)?;
-            writeln!(out)
-        })
+        print_json(&outcome.summary)
     } else if args.voice.quiet {
         Ok(())
     } else {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use palpate_files::Setup;
+use palpate_files::{Format, Setup};
 use palpate_run::{Failure, Outcome};
 
-use super::run_files::Format;
-use crate::output::Outputs;
+use super::run_files::{check, format_of_record, write};
+use palpate_live::output::Outputs;
 
 /// Writes one record of a run; the ending of the name says which, as for `hil run --record`, and `.html` is the report,
 /// `.json` the summary. What was there goes if it is an earlier record of the kind, or with `force`.
@@ -14,19 +14,11 @@ use crate::output::Outputs;
 /// # Errors
 /// [`Failure::Input`] for another ending or a file of another kind, [`Failure::Write`] for one that cannot be written.
 pub fn save(path: &Path, setup: &Setup, outcome: &Outcome, force: bool) -> Result<(), Failure> {
-    let format = match path.extension().and_then(|ending| ending.to_str()) {
-        Some("html") => Format::Report,
-        Some("json") => Format::Summary,
-        _ => Format::of(path)?,
+    let format = match Format::of_name(path) {
+        Some(whole @ (Format::Html | Format::Json)) => whole,
+        _ => format_of_record(path)?,
     };
-    let outputs = Outputs { force, inputs: &[] };
-    match format {
-        Format::Contacts => outputs.check_table(path)?,
-        format => {
-            let paths = format.paths(path, setup);
-            let mut each = paths.iter();
-            each.try_for_each(|path| outputs.check(path, format.on_disk()))?;
-        }
-    }
-    format.write(path, setup, outcome)
+    let outputs = Outputs::of(force);
+    check(outputs, (format, path), setup)?;
+    write(format, path, setup, outcome)
 }

@@ -1,13 +1,12 @@
-//! What comparisons of schedules share: the words for a damaged file, and the wires of a bench.
+//! What comparisons of schedules share: a file that is held as a whole, and the wires of a bench.
 
 use std::fs::File;
 use std::path::Path;
 
 use palpate_files::{FileError, LayoutFile, Lines, load_bench, load_layout};
 
-use crate::output::note;
-use crate::progress::Progress;
-use palpate_records::damage::Damage;
+use palpate_live::output::note;
+use palpate_live::progress::Progress;
 use palpate_records::trace::{PlaceUm, WireInfo};
 
 /// Most bytes of a golden or schedule that is held to be compared, with about three times as many for what it says.
@@ -39,17 +38,6 @@ pub(super) fn read_log(mut lines: Lines<File>) -> Result<String, FileError> {
         note(&text);
     }
     Ok(text)
-}
-
-/// What is wrong with a golden or a schedule, as of any other file.
-pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
-    FileError {
-        path: label.to_owned(),
-        line: Some(damage.line),
-        key: None,
-        expected: damage.expected,
-        found: damage.found,
-    }
 }
 
 /// The wires of a built-in bench; none of another one, whose outputs are then told by board and channel.

@@ -9,8 +9,8 @@ use palpate_run::Failure;
 
 use super::run;
 use crate::cli::{Color, RunArgs, ServeArgs};
-use crate::output::note;
-use crate::serve::Recordings;
+use palpate_live::output::note;
+use palpate_live::serve::Recordings;
 
 /// Longest wait for a signal at a time.
 const HOUR_NS: u64 = 3_600_000_000_000;

@@ -5,7 +5,7 @@ use palpate_files::did_you_mean;
 use palpate_run::Failure;
 
 use crate::cli::{Cli, CompletionsArgs, ManArgs};
-use crate::output::print;
+use palpate_live::output::print;
 
 /// Prints a script that completes commands and options.
 ///

@@ -15,13 +15,13 @@ use super::devices::bench;
 use super::new;
 use super::study_simulate::simulated;
 use crate::cli::{AnalyseArgs, NewKind, StudyAction, StudyRunArgs};
-use crate::clock;
-use crate::output::{note, print};
-use crate::real::{refuse_latched, watch};
-use crate::serve::Desk;
 use crate::study::{
     Answers, Conducting, Dose, Ended, Folder, Player, Stimuli, conduct, page, planned, wearer,
 };
+use palpate_live::clock;
+use palpate_live::output::{note, print, print_json};
+use palpate_live::real::{refuse_latched, watch};
+use palpate_live::serve::Desk;
 
 /// How long pages have to take in how a session ended.
 const LAST: Duration = Duration::from_millis(300);
@@ -167,7 +167,7 @@ fn about(
         version: VERSION,
         palpate: env!("CARGO_PKG_VERSION").into(),
         protocol: protocol.value.name.clone(),
-        protocol_digest: short_digest(protocol.source.text().as_bytes()),
+        protocol_digest: short_digest(&protocol.source.values()),
         participant: args.participant,
         seed: args.on.seed,
         bench: bench.name.clone(),
@@ -175,7 +175,7 @@ fn about(
             BenchKind::Emulated => "emulated".into(),
             BenchKind::Real => "real".into(),
         },
-        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        limits_digest: short_digest(&setup.limits.source.values()),
         wires_mm: stimuli.wires_mm().to_vec(),
         began: clock::date(began_unix_ms * 1000),
         began_unix_ms,
@@ -246,14 +246,14 @@ fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
             written.push(folder.write(&name, &text)?);
         }
     }
-    print(|out| match args.json {
-        true => writeln!(out, "{}", serde_json::to_string(&analysis)?),
-        false => {
-            summary(&analysis, out)?;
-            written
-                .iter()
-                .try_for_each(|path| writeln!(out, "  wrote {}", path.display()))
-        }
+    if args.json {
+        return print_json(&analysis);
+    }
+    print(|out| {
+        summary(&analysis, out)?;
+        written
+            .iter()
+            .try_for_each(|path| writeln!(out, "  wrote {}", path.display()))
     })
 }
 

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::devices::bench;
 use crate::cli::SimulateArgs;
-use crate::output::print;
 use crate::study::{Stimuli, planned};
+use palpate_live::output::{print, print_json};
 
 /// Simulates a study and says what it came to.
 ///
@@ -34,27 +34,24 @@ pub(super) fn simulated(args: &SimulateArgs) -> Result<(), Failure> {
     };
     let protocol = &loaded.value;
     let outcome = simulate(protocol, of, &known).map_err(|e| Failure::Input(e.to_string()))?;
-    print(|out| match args.json {
-        true => {
-            #[derive(Serialize)]
-            struct Whole<'a> {
-                protocol: &'a str,
-                people: u32,
-                seed: u64,
-                assumed: Option<&'a str>,
-                #[serde(flatten)]
-                outcome: Outcome,
-            }
-            let whole = Whole {
-                protocol: &protocol.name,
-                people: args.people,
-                seed: args.seed,
-                assumed: protocol.assumed.as_deref(),
-                outcome,
-            };
-            writeln!(out, "{}", serde_json::to_string(&whole)?)
-        }
-        false => text(args, protocol, &outcome, out),
+    if !args.json {
+        return print(|out| text(args, protocol, &outcome, out));
+    }
+    #[derive(Serialize)]
+    struct Whole<'a> {
+        protocol: &'a str,
+        people: u32,
+        seed: u64,
+        assumed: Option<&'a str>,
+        #[serde(flatten)]
+        outcome: Outcome,
+    }
+    print_json(&Whole {
+        protocol: &protocol.name,
+        people: args.people,
+        seed: args.seed,
+        assumed: protocol.assumed.as_deref(),
+        outcome,
     })
 }
 

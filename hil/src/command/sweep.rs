@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use palpate_buses::signals::Signals;
 use palpate_files::{Format, Setup, load_scene};
-use palpate_records::runs::{MEASURED, RunRow, number};
+use palpate_records::runs::{MEASURED, RunRow, short};
 use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::sweep::{Axis, Grid, Variant};
 use palpate_run::{Failure, Host};
@@ -15,9 +15,9 @@ use serde::Serialize;
 
 use super::devices::bench;
 use crate::cli::{Color, SweepArgs};
-use crate::output::{Outputs, print};
-use crate::progress::Progress;
 use crate::sweep::{Growing, Work, page};
+use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::progress::Progress;
 
 /// Most runs that share what is read for a combination of values.
 const TOGETHER: usize = 16;
@@ -33,10 +33,7 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
         .map(|text| axis(text))
         .collect::<Result<_, _>>()?;
     let grid = Grid::new(axes, args.seeds.0.clone())?;
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     Growing::check(&args.out, outputs)?;
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
@@ -182,10 +179,7 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
     let conclusion = conclusion(&rows, wanted, caught);
     if let Some(path) = &args.html {
         let text = page(&conclusion, &rows);
-        let outputs = Outputs {
-            force: args.force,
-            inputs: &[],
-        };
+        let outputs = Outputs::of(args.force);
         outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
     }
     let names = work.names();
@@ -210,10 +204,7 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
             there_before: work.before(),
             table: args.out.display().to_string(),
         };
-        print(|out| {
-            serde_json::to_writer(&mut *out, &all)?;
-            writeln!(out)
-        })?;
+        print_json(&all)?;
     } else if !args.voice.quiet {
         print(|out| {
             conclusion.write(out, color.on(&io::stdout()))?;
@@ -249,17 +240,16 @@ fn runs(count: usize) -> String {
 
 /// The figures that differ between runs: the least, the most, and where they are.
 fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
-    for (n, measured) in MEASURED.iter().enumerate() {
+    for measured in &MEASURED {
         let found = || {
             rows.iter()
-                .filter_map(|row| Some((row.values[n]?, &row.key)))
+                .filter_map(|row| Some((*row.values.get(measured.key)?, &row.key)))
         };
         let least = found().min_by(|a, b| a.0.total_cmp(&b.0));
         let most = found().max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((least, most)) = least.zip(most).filter(|(least, most)| least.0 < most.0) else {
             continue;
         };
-        let short = |value: f64| number((value * 1e3).round() / 1e3);
         let range = format!("{} to {} {}", short(least.0), short(most.0), measured.unit);
         writeln!(
             out,

@@ -6,8 +6,6 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use crate::cli::{Color, TestArgs};
-use crate::output::{Outputs, print};
-use crate::progress::Progress;
 use crate::trial::{
     Goldens, Halt, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks,
     last, page,
@@ -16,6 +14,8 @@ use palpate_files::{
     Bench, BenchKind, FileError, Format, Loaded, Overrides, Quarantine, Setup, Source, load_bench,
     sensor_of,
 };
+use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::progress::Progress;
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
 use serde::Serialize;
@@ -122,10 +122,7 @@ fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, S
 
 /// What the files of results may replace.
 const fn outputs(args: &TestArgs) -> Outputs<'static> {
-    Outputs {
-        force: args.force,
-        inputs: &[],
-    }
+    Outputs::of(args.force)
 }
 
 /// The files of results that are wanted.
@@ -232,7 +229,7 @@ impl Run<'_> {
             outputs(self.args).write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
         }
         if self.args.voice.json {
-            print(|out| json(verdict, self.source, suites, out))?;
+            json(verdict, self.source, suites)?;
         } else if self.told {
             print(|out| {
                 let word = verdict.paint(verdict.word(), self.colored());
@@ -363,12 +360,7 @@ fn counts(trials: &[&Trial]) -> String {
     words
 }
 
-fn json(
-    verdict: Verdict,
-    source: &str,
-    suites: &[(String, Vec<Trial>)],
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn json(verdict: Verdict, source: &str, suites: &[(String, Vec<Trial>)]) -> Result<(), Failure> {
     let trial = |bench: &str, t: &Trial| {
         let measures: Vec<serde_json::Value> = t
             .measures
@@ -410,6 +402,5 @@ fn json(
         source,
         trials,
     };
-    serde_json::to_writer(&mut *out, &all)?;
-    writeln!(out)
+    print_json(&all)
 }

@@ -14,8 +14,8 @@ use serde_json::json;
 
 use super::{texture_panel, texture_response, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
-use crate::output::{Outputs, note, print};
-use crate::progress::Progress;
+use palpate_live::output::{Outputs, note, print};
+use palpate_live::progress::Progress;
 
 /// Does what was asked with the texture model.
 ///
@@ -182,10 +182,7 @@ fn write_json(
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let bytes = onnx::encoder(&model);
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     outputs.write(&args.out, Format::Onnx, |out| out.write_all(&bytes))?;
     note(&format!(
         "{}: input `raw` [{}, N, {}], output `latent` [N, {}]",

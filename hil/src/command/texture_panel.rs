@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use palpate_core::statistics::mean;
 use palpate_emulators::person::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
 use palpate_emulators::sensor::surface::{SurfaceTexture, spearman};
 use palpate_files::{Format, Overrides, Setup, TextureModel, TextureTable, load_textures};
@@ -15,8 +16,8 @@ use palpate_texture::round;
 use serde_json::{Map, Value, json};
 
 use crate::cli::PanelArgs;
-use crate::output::{Outputs, print};
-use crate::progress::Progress;
+use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::progress::Progress;
 
 /// The scene whose texture section says how latent vectors become pulses.
 const SCENE: &str = "texture-wood";
@@ -33,10 +34,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         overrides.scene("--beta", "illusion.beta", beta);
     }
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     if let Some(path) = &args.svg {
         outputs.check(path, Format::Svg)?;
     }
@@ -67,8 +65,10 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         let drawn = draw(&study, &title);
         outputs.write(path, Format::Svg, |out| out.write_all(drawn.as_bytes()))?;
     }
+    if args.json {
+        return print_json(&as_json(args, &study, bare.as_ref()));
+    }
     print(|out| match &bare {
-        _ if args.json => writeln!(out, "{}", as_json(args, &study, bare.as_ref())),
         Some((bare, ranks)) => table_of_textures(&study, bare, ranks, out),
         None => table_of_recordings(&study, out),
     })
@@ -118,11 +118,6 @@ fn ranks(study: &Study, table: &TextureTable) -> Ranks {
             rank(&display(1), &bare(1)),
         ),
     ]
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-    (count > 0.0).then(|| sum / count)
 }
 
 fn sensation(felt: &Sensation) -> Value {

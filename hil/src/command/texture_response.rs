@@ -11,8 +11,8 @@ use palpate_texture::world::{self, Factor};
 use serde_json::json;
 
 use crate::cli::{MaterialsArgs, ResponseArgs};
-use crate::output::{Outputs, note, print};
-use crate::progress::Progress;
+use palpate_live::output::{Outputs, note, print, print_json};
+use palpate_live::progress::Progress;
 
 /// Draws materials and writes their table.
 ///
@@ -26,10 +26,7 @@ pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
         )));
     }
     let materials = world::draw(count, args.seed);
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     outputs.write(&args.out, Format::Toml, |out| {
         world::write_table(&materials, (unseen, args.seed), out)
     })?;
@@ -56,13 +53,11 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     let how = (args.strokes, args.materials as usize);
     let found = response::response(&model, how, (dead, args.seed), passed)?;
     drop(shown);
-    print(|out| match args.json {
-        true => {
-            let rows: Vec<_> = found.iter().flat_map(rows).collect();
-            writeln!(out, "{}", serde_json::Value::from(rows))
-        }
-        false => tables(args, &found, out),
-    })
+    if args.json {
+        let rows: Vec<_> = found.iter().flat_map(rows).collect();
+        return print_json(&rows);
+    }
+    print(|out| tables(args, &found, out))
 }
 
 /// What one coordinate makes of each factor, as objects. Correlations are over unseen materials where some were drawn, and

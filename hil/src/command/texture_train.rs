@@ -10,8 +10,8 @@ use palpate_run::plan::surface;
 use palpate_texture::{draw, explore, map, round};
 
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
-use crate::output::{Outputs, make_folder, note, print};
-use crate::progress::Progress;
+use palpate_live::output::{Outputs, make_folder, note, print};
+use palpate_live::progress::Progress;
 
 /// The training program: a workspace member that only those build who train.
 const PROGRAM: &str = "palpate-train";
@@ -40,10 +40,7 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     if args.accelerometer {
         make_folder(&shaken)?;
     }
-    let outputs = Outputs {
-        force: args.force,
-        inputs: &[],
-    };
+    let outputs = Outputs::of(args.force);
     for (entry, recording) in &all {
         let name = format!("{}_{:02}.csv", entry.name, recording.number);
         let path = args.out.join(&name);
@@ -123,10 +120,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let placed = map::place(&encoded, &model, view);
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
-        let outputs = Outputs {
-            force: args.force,
-            inputs: &[],
-        };
+        let outputs = Outputs::of(args.force);
         outputs.write(path, Format::Svg, |out| {
             out.write_all(draw::draw(&placed, view, &title).as_bytes())
         })?;

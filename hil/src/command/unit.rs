@@ -6,10 +6,10 @@ use palpate_run::Failure;
 use super::devices::bench;
 use super::run::DEFAULT_SCENE;
 use crate::cli::UnitArgs;
-use crate::link::key;
-use crate::output::print;
-use crate::telling::Telling;
-use crate::unit::{self, Options};
+use palpate_live::link::key;
+use palpate_live::output::print;
+use palpate_live::telling::Telling;
+use palpate_live::unit::{self, Options};
 
 /// Serves a driver unit until stopped, or makes a key for one.
 ///
@@ -36,17 +36,12 @@ pub fn unit(args: &UnitArgs) -> Result<(), Failure> {
     let scene = load_scene(DEFAULT_SCENE)?;
     let bench = bench(args.bench.as_deref(), &[], args.i2c.as_slice())?;
     let setup = Setup::join(scene, bench)?;
-    let telling = match (args.json, args.quiet) {
-        (true, _) => Telling::Json,
-        (_, true) => Telling::Nothing,
-        _ => Telling::Words,
-    };
     unit::serve(
         &setup,
         &Options {
             listen: args.listen,
             key,
-            telling,
+            telling: Telling::of(args.json, args.quiet),
         },
     )
 }

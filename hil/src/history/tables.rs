@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use palpate_core::statistics;
 use palpate_records::runs::{MEASURED, RunKey, RunRow, RunTable};
 use palpate_records::verdict::Verdict;
 
@@ -61,24 +62,23 @@ pub fn compare_tables(a: &RunTable, b: &RunTable, tolerance: Tolerance) -> Compa
             ),
         });
     }
-    for (n, measured) in MEASURED.iter().enumerate() {
+    for measured in &MEASURED {
+        let name = format!("{} {}", measured.words, measured.unit);
+        let difference = figure(&pairs, measured.key, tolerance);
         compared
             .differences
-            .extend(figure(&pairs, n, tolerance).map(|difference| {
-                Difference {
-                    figure: format!("{} {}", measured.words, measured.unit)
-                        .trim_end()
-                        .to_owned(),
-                    ..difference
-                }
+            .extend(difference.map(|difference| Difference {
+                figure: name.trim_end().to_owned(),
+                ..difference
             }));
     }
     compared.concluded()
 }
 
 /// The means of a figure, where it differs in any run, and where it does most.
-fn figure(pairs: &[(&RunRow, &RunRow)], n: usize, tolerance: Tolerance) -> Option<Difference> {
-    let values = |(a, b): &(&RunRow, &RunRow)| (a.values[n], b.values[n]);
+fn figure(pairs: &[(&RunRow, &RunRow)], key: &str, tolerance: Tolerance) -> Option<Difference> {
+    let value = |row: &RunRow| row.values.get(key).copied();
+    let values = |(a, b): &(&RunRow, &RunRow)| (value(a), value(b));
     let differs = |pair: &&(&RunRow, &RunRow)| match values(pair) {
         (Some(x), Some(y)) => !tolerance.equal(x, y),
         (x, y) => x.is_some() != y.is_some(),
@@ -104,8 +104,7 @@ fn figure(pairs: &[(&RunRow, &RunRow)], n: usize, tolerance: Tolerance) -> Optio
     };
     type Pair = (Option<f64>, Option<f64>);
     let mean = |side: fn(Pair) -> Option<f64>| {
-        let all: Vec<f64> = pairs.iter().filter_map(|pair| side(values(pair))).collect();
-        (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+        statistics::mean(pairs.iter().filter_map(|pair| side(values(pair))))
     };
     Some(Difference {
         detail,

@@ -5,8 +5,7 @@ use palpate_records::runs::Values;
 
 fn table(rows: &[(u64, f64, &str)]) -> RunTable {
     let row = |(seed, error, version): &(u64, f64, &str)| {
-        let mut values = Values::default();
-        values[0] = Some(*error);
+        let values = Values::from([("path_error_rmse_mm", *error)]);
         let key = RunKey {
             seed: *seed,
             version: (*version).to_owned(),

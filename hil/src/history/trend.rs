@@ -5,44 +5,31 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use palpate_files::{FileError, Format, read_text};
+use palpate_files::{FileError, Format, entries, read_text};
+use palpate_records::report::page::table;
 use palpate_records::report::svg::escape;
-use palpate_records::runs::{MEASURED, Values, number};
+use palpate_records::runs::{MEASURED, Measured, Values, short, values};
 use palpate_records::verdict::Verdict;
 use serde_json::Value;
 
 use super::difference::{Compared, Tolerance};
 use super::objects::compare_objects;
-use crate::clock;
-use crate::sweep::chart::{LINES, Line, Spot, chart, ends, legend, with_unit};
+use crate::sweep::chart::{LINES, Line, Spot, chart, legend, with_unit};
 use crate::sweep::{foot, head};
+use palpate_live::clock;
 
 /// Longest summary that is read.
 const MOST: u64 = 64 << 20;
 /// How deep folders are searched.
 const DEPTH: usize = 8;
-/// Where a summary has each of [`MEASURED`]; the used part of the limits is in a list.
-const PLACES: [&str; MEASURED.len()] = [
-    "/path_error_mm/rmse",
-    "/path_error_mm/max",
-    "/felt_error_mm/rmse",
-    "/felt_error_mm/max",
-    "/felt/level_db/median",
-    "/felt_error_mm/breaks",
-    "/felt_error_mm/jumps",
-    "/hottest_skin_c",
-    "/hottest_wire_c",
-    "/energy_mj",
-    "/peak_supply_a",
-    "/margins",
-    "/limiter_events",
-    "/contacts",
-    "/stimuli",
-    "/texture/roughness",
-    "/taxels/refresh_hz/median",
-];
 /// The figures of the table; the page has all.
-const SHOWN: [usize; 5] = [0, 2, 4, 7, 11];
+const SHOWN: [&str; 5] = [
+    "path_error_rmse_mm",
+    "felt_error_rmse_mm",
+    "felt_level_db",
+    "hottest_skin_c",
+    "limit_used_percent",
+];
 
 /// A summary of an earlier run.
 #[derive(Clone, Debug)]
@@ -93,10 +80,7 @@ fn search(
     depth: usize,
     found: &mut BTreeMap<String, Vec<Earlier>>,
 ) -> Result<(), FileError> {
-    let label = folder.display().to_string();
-    let bad = |e: std::io::Error| FileError::whole(&label, "a readable folder", e.to_string());
-    for entry in fs::read_dir(folder).map_err(bad)? {
-        let path = entry.map_err(bad)?.path();
+    for path in entries(folder)? {
         let hidden = path
             .file_name()
             .is_some_and(|name| name.to_string_lossy().starts_with('.'));
@@ -152,18 +136,6 @@ fn read(path: &Path) -> Result<Option<(String, Earlier)>, FileError> {
     Ok(Some((name, earlier)))
 }
 
-fn values(summary: &Value) -> Values {
-    PLACES.map(|place| match summary.pointer(place)? {
-        Value::Array(margins) => {
-            let used = margins
-                .iter()
-                .filter_map(|margin| margin.get("used")?.as_f64());
-            ends(used).map(|(_, most)| most * 100.0)
-        }
-        value => value.as_f64(),
-    })
-}
-
 impl Trend {
     /// The newest run held against the one before; of a single one there is nothing to say.
     pub fn newest(&self, tolerance: Tolerance) -> Option<Compared> {
@@ -177,34 +149,26 @@ impl Trend {
 
     /// The runs as lines of text under a heading.
     pub fn table(&self) -> Vec<String> {
-        let heading = SHOWN.map(|n| with_unit(MEASURED[n].words, MEASURED[n].unit));
-        let columns = |cells: [String; SHOWN.len()]| {
-            let cells = cells.iter().zip(&heading);
-            let cells =
-                cells.map(|(cell, heading)| format!("  {cell:>0$}", heading.chars().count()));
+        let columns = |cell: &dyn Fn(&Measured) -> String| {
+            let cells = in_table().map(|m| format!("  {:>1$}", cell(m), label(m).chars().count()));
             cells.collect::<String>()
         };
         let mut lines = vec![self.name.clone()];
         let line = |date: &str, version: &str, verdict: &str, rest: &str| {
             format!("  {date:<21} {version:<8} {verdict:<14}{rest}")
         };
-        lines.push(line(
-            "date",
-            "version",
-            "verdict",
-            &columns(heading.clone()),
-        ));
+        lines.push(line("date", "version", "verdict", &columns(&label)));
         for run in &self.runs {
-            let values = SHOWN.map(|n| shown(run.values[n]));
-            let rest = format!("{}  {}", columns(values), run.file.display());
+            let rest = format!("{}  {}", columns(&|m| run.shown(m)), run.file.display());
             lines.push(line(&run.date, &run.version, &run.verdict, &rest));
         }
         lines
     }
 
     /// A figure over the runs, oldest first.
-    fn line(&self, figure: usize) -> Line {
-        let spot = |(n, run): (usize, &Earlier)| Spot::of((n + 1) as f64, &[run.values[figure]?]);
+    fn line(&self, figure: &str) -> Line {
+        let spot =
+            |(n, run): (usize, &Earlier)| Spot::of((n + 1) as f64, &[*run.values.get(figure)?]);
         Line {
             name: self.name.clone(),
             spots: self.runs.iter().enumerate().filter_map(spot).collect(),
@@ -212,9 +176,20 @@ impl Trend {
     }
 }
 
-/// A value to the thousandth; `-` for none.
-fn shown(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |v| number((v * 1e3).round() / 1e3))
+impl Earlier {
+    /// A value to the thousandth; `-` for none.
+    fn shown(&self, of: &Measured) -> String {
+        let value = self.values.get(of.key);
+        value.map_or_else(|| "-".to_owned(), |v| short(*v))
+    }
+}
+
+fn in_table() -> impl Iterator<Item = &'static Measured> {
+    MEASURED.iter().filter(|m| SHOWN.contains(&m.key))
+}
+
+fn label(of: &Measured) -> String {
+    with_unit(of.words, of.unit)
 }
 
 /// All trends as a page.
@@ -223,59 +198,38 @@ pub fn page(trends: &[Trend], compared: &Compared) -> String {
     for some in trends.chunks(LINES) {
         out.push_str("<section><h2>Figures over the runs</h2><p class=\"sub\">Oldest first; the tables below say when each was.</p>\n<div class=\"charts\">");
         let mut names = String::new();
-        for (n, measured) in MEASURED.iter().enumerate() {
-            let lines: Vec<Line> = some.iter().map(|trend| trend.line(n)).collect();
+        for measured in &MEASURED {
+            let lines: Vec<Line> = some.iter().map(|trend| trend.line(measured.key)).collect();
             if lines.iter().any(|line| !line.spots.is_empty()) {
-                out.push_str(&chart(
-                    &lines,
-                    "run",
-                    &with_unit(measured.words, measured.unit),
-                ));
+                out.push_str(&chart(&lines, "run", &label(measured)));
                 names = legend(&lines);
             }
         }
         let _ = writeln!(out, "</div>{names}</section>");
     }
     for trend in trends {
-        let _ = write!(
+        let figures: Vec<_> = in_table().map(label).collect();
+        let mut columns = vec![
+            ("num", "run"),
+            ("", "date"),
+            ("", "version"),
+            ("", "verdict"),
+        ];
+        columns.extend(figures.iter().map(|name| ("num", name.as_str())));
+        columns.push(("", "file"));
+        let row = |(n, run): (usize, &Earlier)| {
+            let mut cells = vec![(n + 1).to_string()];
+            cells.extend([&run.date, &run.version, &run.verdict].map(String::clone));
+            cells.extend(in_table().map(|measured| run.shown(measured)));
+            cells.push(run.file.display().to_string());
+            (run.verdict != Verdict::Ok.key(), cells)
+        };
+        let _ = writeln!(
             out,
-            "<section><h2>{}</h2><div class=\"wide\"><table><tr><th class=\"num\">run</th><th>date</th><th>version</th><th>verdict</th>",
-            escape(&trend.name)
+            "<section><h2>{}</h2><div class=\"wide\" tabindex=\"0\">{}</div></section>",
+            escape(&trend.name),
+            table(&columns, trend.runs.iter().enumerate().map(row))
         );
-        for n in SHOWN {
-            let _ = write!(
-                out,
-                "<th class=\"num\">{}</th>",
-                escape(&with_unit(MEASURED[n].words, MEASURED[n].unit))
-            );
-        }
-        out.push_str("<th>file</th></tr>\n");
-        for (n, run) in trend.runs.iter().enumerate() {
-            let over = if run.verdict == Verdict::Ok.key() {
-                ""
-            } else {
-                " class=\"over\""
-            };
-            let (date, version, verdict) = (
-                escape(&run.date),
-                escape(&run.version),
-                escape(&run.verdict),
-            );
-            let _ = write!(
-                out,
-                "<tr{over}><td class=\"num\">{}</td><td>{date}</td><td>{version}</td><td>{verdict}</td>",
-                n + 1
-            );
-            for n in SHOWN {
-                let _ = write!(out, "<td class=\"num\">{}</td>", shown(run.values[n]));
-            }
-            let _ = writeln!(
-                out,
-                "<td>{}</td></tr>",
-                escape(&run.file.display().to_string())
-            );
-        }
-        out.push_str("</table></div></section>\n");
     }
     out + &foot()
 }

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use palpate_records::bursts::{Burst, DrivenOutput};
 use palpate_records::diff::Grade;
-use palpate_records::report::STYLE;
+use palpate_records::report::page::{foot, head};
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot, Svg, escape};
+use palpate_records::report::svg::{Plot, Svg, escape, key};
 use palpate_records::story::{GoldenKind, Story};
 
 use super::scene::Scene;
@@ -22,21 +22,14 @@ const ROWS: usize = 32;
 /// Most differences of a scene on the page.
 const TOLD: usize = 40;
 
-const OWN_STYLE: &str = ".was{fill:var(--warn);opacity:.4}.is{fill:none;stroke:var(--accent);stroke-width:1.5}\
-ul{margin:6px 0 0;padding-left:20px}\
-li.margin{color:var(--bad);font-weight:600}li.cosmetic{color:var(--muted)}";
-
 /// The page of everything that waits.
 pub fn page(scenes: &[Scene]) -> String {
-    let mut out = String::with_capacity(64 * 1024);
-    let _ = write!(
+    let mut out = head("review");
+    let _ = writeln!(
         out,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>review \u{b7} palpate</title>\n<style>\n{STYLE}{OWN_STYLE}</style></head>\n<body><main>\n\
-         <header><h1>Changed goldens</h1></header>\n\
+        "<header><h1>Changed goldens</h1></header>\n\
          <p class=\"sub\">{} for a decision. The scene that lost most of a margin comes first. \
-         Decide with <code>hil review</code>.</p>\n",
+         Decide with <code>hil review</code>.</p>",
         match scenes.len() {
             0 => "No scene waits".to_owned(),
             1 => "1 scene waits".to_owned(),
@@ -46,8 +39,7 @@ pub fn page(scenes: &[Scene]) -> String {
     for scene in scenes {
         section(&mut out, scene);
     }
-    out.push_str("</main></body></html>\n");
-    out
+    out + &foot("", "")
 }
 
 fn section(out: &mut String, scene: &Scene) {
@@ -132,11 +124,14 @@ fn drawings(out: &mut String, old: &Story, new: &Story) {
         .flatten()
         .min()
         .unwrap_or(0);
-    out.push_str(
-        "<h2 class=\"next\">Schedule</h2>\n<p class=\"legend\">\
-         <span><svg viewBox=\"0 0 26 12\"><rect class=\"was\" width=\"26\" height=\"12\"/></svg>as it was</span>\
-         <span><svg viewBox=\"0 0 26 12\"><rect class=\"is\" x=\"1\" y=\"1\" width=\"24\" height=\"10\"/></svg>as it is</span>\
-         </p>\n",
+    let mut legend = String::new();
+    let was = "<rect class=\"was\" width=\"26\" height=\"12\"/>";
+    key(&mut legend, was, "as it was");
+    let is = "<rect class=\"is\" x=\"1\" y=\"1\" width=\"24\" height=\"10\"/>";
+    key(&mut legend, is, "as it is");
+    let _ = writeln!(
+        out,
+        "<h2 class=\"next\">Schedule</h2>\n<p class=\"legend\">{legend}</p>"
     );
     if let Some(first) = first_difference(old, new) {
         let from = first.saturating_sub(CLOSE_US / 12);

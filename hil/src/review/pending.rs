@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::output::write_file;
-use palpate_files::{FileError, read_text};
+use palpate_files::{entries, headed, read_text};
+use palpate_live::output::write_file;
 use palpate_run::Failure;
 
 /// Where goldens lie, from the root of a project.
@@ -63,12 +63,8 @@ pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
 /// # Errors
 /// A folder or file that cannot be read.
 pub fn pending(folder: &Path) -> Result<Vec<Pending>, Failure> {
-    let label = folder.display().to_string();
-    let unreadable =
-        |e: std::io::Error| FileError::whole(&label, "a readable folder", e.to_string());
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
+    for path in entries(folder)? {
         let file = path.file_name().map(|n| n.to_string_lossy().into_owned());
         let Some(name) = file.as_deref().and_then(|f| f.strip_suffix(WAITS)) else {
             continue;
@@ -121,20 +117,14 @@ impl Pending {
     /// # Errors
     /// A file that cannot be removed.
     pub fn reject(&self) -> Result<(), Failure> {
-        fs::remove_file(&self.path).map_err(|error| Failure::Write {
-            path: self.path.display().to_string(),
-            error,
-        })
+        fs::remove_file(&self.path).map_err(Failure::written(&self.path))
     }
 }
 
 /// A snapshot as insta would keep it: without the line of the assertion; with the reason as its description, which
 /// `cargo insta review` shows too.
 fn settled(text: &str, why: Option<&str>) -> String {
-    let Some((head, body)) = text
-        .strip_prefix("---\n")
-        .and_then(|rest| rest.split_once("\n---\n"))
-    else {
+    let (Some(head), body) = headed(text) else {
         return text.to_owned();
     };
     let mut lines: Vec<String> = head

@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use palpate_files::headed;
 use palpate_records::diff::{Difference, Grade, Tolerance, compare};
 use palpate_records::story::{GoldenKind, Story};
 
 use super::pending::Pending;
-use palpate_files::FileError;
-use palpate_run::Failure;
+use palpate_run::{Failure, damaged};
 
 /// One golden that waits.
 #[derive(Clone, Debug)]
@@ -56,25 +56,12 @@ pub fn scenes(pending: Vec<Pending>) -> Result<Vec<Scene>, Failure> {
     Ok(all)
 }
 
-/// The text of a snapshot without insta's heading.
-fn body(text: &str) -> &str {
-    let rest = text.strip_prefix("---\n");
-    let body = rest.and_then(|rest| rest.split_once("\n---\n"));
-    body.map_or(text, |(_, body)| body)
-}
-
 fn change(pending: Pending) -> Result<Change, Failure> {
     let read = |text: &str, path: String| -> Result<Option<Story>, Failure> {
-        if !body(text).starts_with("palpate ") {
+        if !headed(text).1.starts_with("palpate ") {
             return Ok(None);
         }
-        let story = Story::read(text).map_err(|damage| FileError {
-            path,
-            line: Some(damage.line),
-            key: None,
-            expected: damage.expected,
-            found: damage.found,
-        })?;
+        let story = Story::read(text).map_err(|damage| damaged(path, damage))?;
         Ok(Some(story))
     };
     let path = pending.path.display().to_string();
@@ -111,7 +98,7 @@ impl Change {
             (None, _, _) => Some(format!("{name} is new")),
             (Some(_), Some(a), Some(b)) if a.kind == b.kind => None,
             (Some(old), _, _) => {
-                let (old, new) = (body(old), body(&self.pending.new));
+                let ((_, old), (_, new)) = (headed(old), headed(&self.pending.new));
                 let lines = old.lines().zip(new.lines()).filter(|(a, b)| a != b).count();
                 let more = old.lines().count().abs_diff(new.lines().count());
                 Some(format!("{name}: {} lines differ", lines + more))

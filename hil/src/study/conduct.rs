@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 use super::folder::Writing;
 use super::player::{Off, Player, Went};
-use crate::clock;
-use crate::serve::{Desk, Heard};
+use palpate_live::clock;
+use palpate_live::serve::{Desk, Heard};
 
 /// How often signals are looked for.
 const GLANCE: Duration = Duration::from_millis(50);

@@ -3,10 +3,11 @@
 //! `records/participant-N.jsonl` is what counts; `data/` is made from it, after every reply anew.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_files::{Loaded, Protocol, load_protocol};
+use palpate_live::output::{make_folder, write_file};
 use palpate_run::Failure;
 use palpate_study::{Line, Record, Step};
 
@@ -29,27 +30,9 @@ pub struct Writing {
     pub record: Option<Record>,
 }
 
-fn failed(path: &Path) -> impl Fn(io::Error) -> Failure + '_ {
-    |error| Failure::Write {
-        path: path.display().to_string(),
-        error,
-    }
-}
-
-/// Writes a file whole or not at all: beside its place, onto the disk, then there.
+/// Writes a text whole or not at all.
 fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    let part = path.with_extension("part");
-    let write = || -> io::Result<()> {
-        let mut file = File::create(&part)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
-        fs::rename(&part, path)
-    };
-    write().map_err(|e| {
-        // What could not be written is not kept either.
-        let _ = fs::remove_file(&part);
-        failed(path)(e)
-    })
+    write_file(path, |out| out.write_all(text.as_bytes()))
 }
 
 impl Folder {
@@ -62,8 +45,7 @@ impl Folder {
             path: path.to_path_buf(),
         };
         for part in ["records", "data"] {
-            let part = path.join(part);
-            fs::create_dir_all(&part).map_err(failed(&part))?;
+            make_folder(&path.join(part))?;
         }
         let copy = folder.protocol_path();
         match fs::read_to_string(&copy) {
@@ -137,7 +119,7 @@ impl Folder {
     pub fn write(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
         let path = self.path.join("analysis").join(name);
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder).map_err(failed(folder))?;
+            make_folder(folder)?;
         }
         replace(&path, text)?;
         Ok(path)
@@ -159,7 +141,7 @@ impl Folder {
             .create(true)
             .truncate(false)
             .open(&path);
-        let mut file = open.map_err(failed(&path))?;
+        let mut file = open.map_err(Failure::written(&path))?;
         let taken = |why: &str| {
             Err(Failure::Input(format!(
                 "--participant {number}: expected a number that no participant of this study has, found {why} ({})",
@@ -170,7 +152,8 @@ impl Folder {
             return taken("a session of it that goes on");
         }
         let mut text = String::new();
-        file.read_to_string(&mut text).map_err(failed(&path))?;
+        file.read_to_string(&mut text)
+            .map_err(Failure::written(&path))?;
         let record = match text.contains('\n') {
             false => None,
             true => Some(
@@ -194,8 +177,9 @@ impl Folder {
         }
         // What was being written when the program died is no line.
         let whole = record.as_ref().map_or(0, |record| record.whole as u64);
-        file.set_len(whole).map_err(failed(&path))?;
-        file.seek(SeekFrom::End(0)).map_err(failed(&path))?;
+        file.set_len(whole).map_err(Failure::written(&path))?;
+        file.seek(SeekFrom::End(0))
+            .map_err(Failure::written(&path))?;
         Ok(Writing {
             folder: self.clone(),
             participant: number,
@@ -212,13 +196,17 @@ impl Writing {
     /// # Errors
     /// [`Failure::Write`] with what the system said, such as a full disk; nothing of the line is kept then.
     pub fn add(&mut self, line: Line) -> Result<(), Failure> {
-        let mut text = serde_json::to_string(&line).map_err(|e| failed(&self.path)(e.into()))?;
+        let mut text =
+            serde_json::to_string(&line).map_err(|e| Failure::written(&self.path)(e.into()))?;
         text.push('\n');
-        let before = self.file.stream_position().map_err(failed(&self.path))?;
+        let before = self
+            .file
+            .stream_position()
+            .map_err(Failure::written(&self.path))?;
         let written = self.file.write_all(text.as_bytes());
         if let Err(e) = written.and_then(|()| self.file.sync_data()) {
             let _ = self.file.set_len(before);
-            return Err(failed(&self.path)(e));
+            return Err(Failure::written(&self.path)(e));
         }
         match (&mut self.record, line) {
             (None, Line::Session(about)) => {

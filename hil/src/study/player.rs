@@ -13,12 +13,9 @@ use palpate_run::{Failure, Input, Keep, build, run_with};
 use palpate_study::{Interval, Path, Stimulus};
 
 use super::stimuli::Stimuli;
-use crate::clock;
-use crate::host::Onlooker;
-use crate::output::Outputs;
-use crate::real::{self, Told};
-use crate::serve::Desk;
-use crate::views;
+use palpate_live::serve::Desk;
+use palpate_live::views::Wanted;
+use palpate_live::{clock, host};
 
 /// Time between two points of a path that is known from its scene, s.
 const STEP_S: f64 = 0.02;
@@ -133,22 +130,12 @@ impl Player {
         let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until);
         self.earlier.until = began;
         setup.earlier = self.earlier.clone();
-        let views = views::Wanted {
+        let wanted = Wanted {
             desk: self.desk.as_ref(),
-            ..views::Wanted::default()
+            quiet: true,
+            ..Wanted::default()
         };
-        let outcome = if setup.bench.value.is_hardware() {
-            let told = Told { quiet: true, views };
-            let wanted = real::Wanted {
-                files: &[],
-                outputs: Outputs::NEW,
-                told,
-            };
-            real::run(&setup, &Input::Scene, self.seed, wanted)?
-        } else {
-            let mut host = Onlooker::new(views, None);
-            run_with(&setup, &Input::Scene, self.seed, Keep::default(), &mut host)?
-        };
+        let outcome = host::run(&setup, &Input::Scene, self.seed, Keep::default(), wanted)?;
         let off = clock::now();
         let conclusion = &outcome.summary.conclusion;
         if conclusion.verdict == Verdict::LimitExceeded {

@@ -1,7 +1,7 @@
 //! From what a trial plays to a scene on a bench.
 
 use palpate_core::guard::Earlier;
-use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Real, Scene, Setup, Source};
+use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Real, Setup, Source};
 use palpate_run::{Failure, fits};
 use palpate_study::Stimulus;
 
@@ -89,26 +89,14 @@ impl Stimuli {
 
     fn check_wires(&self) -> Result<(), FileError> {
         let protocol = &self.protocol.value;
-        let lists = [
-            (
-                "absolute_threshold",
-                protocol.absolute_threshold.as_ref().map(|t| &t.wires),
-            ),
-            ("difference", protocol.difference.as_ref().map(|t| &t.wires)),
-            ("matching", protocol.matching.as_ref().map(|t| &t.wires)),
-            (
-                "localisation",
-                protocol.localisation.as_ref().map(|t| &t.wires),
-            ),
-        ];
         let count = self.wires_mm.len();
         let reference = protocol
             .matching
             .as_ref()
             .map(|t| ("matching.reference".to_owned(), t.reference));
-        let named = lists.into_iter().flat_map(|(task, wires)| {
-            let numbered = wires.into_iter().flatten().enumerate();
-            numbered.map(move |(index, wire)| (format!("{task}.wires[{index}]"), *wire))
+        let named = protocol.tasks().into_iter().flat_map(|(task, ..)| {
+            let numbered = protocol.wires(task).iter().enumerate();
+            numbered.map(move |(index, wire)| (format!("{}.wires[{index}]", task.name()), *wire))
         });
         for (key, wire) in named.chain(reference) {
             if usize::from(wire) >= count {
@@ -164,11 +152,7 @@ impl Stimuli {
             }
         }
         let source = Source::new("a stimulus of the study", self.text(stimulus));
-        let scene = Loaded {
-            value: Scene::read(&source)?,
-            source,
-        };
-        Ok(Setup::join(scene, self.bench.clone())?)
+        Ok(Setup::join(Loaded::read(source)?, self.bench.clone())?)
     }
 
     /// One wire, or none, as a scene: a stroke that stays where the wire is.

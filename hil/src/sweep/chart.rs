@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
+use palpate_core::statistics::mean;
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot, Svg, dot, escape};
+use palpate_records::report::svg::{self, Plot, Svg, dot, line_key};
 
 /// Most lines that can be told apart; the style sheet has as many colours.
 pub const LINES: usize = 8;
@@ -25,7 +26,7 @@ impl Spot {
     /// Of all values at `x`; none of nothing.
     pub fn of(x: f64, values: &[f64]) -> Option<Self> {
         let (low, high) = ends(values.iter().copied())?;
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mean = mean(values.iter().copied())?;
         Some(Self { x, low, mean, high })
     }
 }
@@ -86,22 +87,12 @@ pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
     };
     let mut svg = Svg::new(460.0, 246.0, &format!("{y_label} against {x_label}"));
     plot.x_axis(&mut svg, x_label);
-    // The label begins above the numbers, within the drawing.
-    for (value, text) in plot.y.ticks(6.0) {
-        let at = plot.py(value);
-        svg.line((plot.left, at), (plot.left + plot.width, at), "grid");
-        svg.text((plot.left - 7.0, at + 4.0), "tick end", &text);
-    }
-    svg.text((8.0, plot.top - 13.0), "label", y_label);
+    plot.y_axis(&mut svg, y_label);
     for (n, line) in lines.iter().enumerate() {
         let (mut mean, mut spread, mut dots) = (String::new(), String::new(), String::new());
         for spot in &line.spots {
             let (px, py) = plot.at((spot.x, spot.mean));
-            let _ = write!(
-                mean,
-                "{}{px:.1} {py:.1}",
-                if mean.is_empty() { 'M' } else { 'L' }
-            );
+            svg::line(&mut mean, (px, py));
             dot(&mut dots, (px, py));
             if spot.low < spot.high {
                 let _ = write!(
@@ -121,23 +112,14 @@ pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
     svg.finish()
 }
 
-/// What a chart needs beside the style sheet of all pages.
-pub const STYLE: &str = ".spread{fill:none;stroke-width:5;opacity:.3;stroke-linecap:round}\n\
-.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:14px}\n\
-.wide th.num{white-space:normal}.wide td:nth-child(2){white-space:nowrap}\n";
-
 /// The names of lines beside their colours; nothing for one alone without a name.
 pub fn legend(lines: &[Line]) -> String {
     if lines.len() == 1 && lines.iter().all(|line| line.name.is_empty()) {
         return String::new();
     }
-    let key = |(n, line): (usize, &Line)| {
-        let class = format!("series w{}", n % LINES);
-        let name = escape(&line.name);
-        format!(
-            "<span><svg viewBox=\"0 0 26 12\"><line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>{name}</span>"
-        )
-    };
-    let keys: String = lines.iter().enumerate().map(key).collect();
+    let mut keys = String::new();
+    for (n, line) in lines.iter().enumerate() {
+        line_key(&mut keys, &format!("series w{}", n % LINES), &line.name);
+    }
     format!("<div class=\"legend\">{keys}</div>")
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{FileError, Format, read_text};
 use palpate_records::runs::{RunRow, RunTable, TableForm};
-use palpate_run::Failure;
+use palpate_run::{Failure, damaged};
 
-use crate::output::{Outputs, write_file};
+use palpate_live::output::{Outputs, write_file};
 
 /// Most bytes of a table: some millions of rows.
 const MOST: u64 = 2 << 30;
@@ -34,13 +34,7 @@ pub fn form_of(path: &Path) -> Result<TableForm, Failure> {
 /// A file that cannot be read, and the first line that is no row.
 pub fn read_table(path: &Path) -> Result<RunTable, FileError> {
     let text = read_text(path, "a table of a sweep", MOST)?;
-    RunTable::read(&text).map_err(|damage| FileError {
-        path: path.display().to_string(),
-        line: Some(damage.line),
-        key: None,
-        expected: damage.expected,
-        found: damage.found,
-    })
+    RunTable::read(&text).map_err(|damage| damaged(path.display().to_string(), damage))
 }
 
 /// The file of a sweep that runs. No other one writes to it.
@@ -67,10 +61,6 @@ impl Growing {
     ) -> Result<(Self, Vec<RunRow>), Failure> {
         let form = form_of(path)?;
         Self::check(path, outputs)?;
-        let told = |error| Failure::Write {
-            path: path.display().to_string(),
-            error,
-        };
         let bad = |expected: &str, found: String| {
             Failure::Input(format!(
                 "{}: expected {expected}, found {found}",
@@ -82,7 +72,7 @@ impl Growing {
             .append(true)
             .create(true)
             .open(path)
-            .map_err(told)?;
+            .map_err(Failure::written(path))?;
         // Where a file system has no locks, the user has to see to it.
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
             return Err(bad(
@@ -111,12 +101,13 @@ impl Growing {
         }
         let rows: Vec<RunRow> = table.rows.into_iter().filter(is_wanted).collect();
         if is_new || table.whole == 0 {
-            growing.file.set_len(0).map_err(told)?;
+            growing.file.set_len(0).map_err(Failure::written(path))?;
             let head = growing.head.clone();
             growing.append(&head)?;
         } else {
             // What is dropped by force is gone with the last line; until then the reader skips it again.
-            growing.file.set_len(table.whole as u64).map_err(told)?;
+            let kept = growing.file.set_len(table.whole as u64);
+            kept.map_err(Failure::written(path))?;
         }
         Ok((growing, rows))
     }
@@ -149,13 +140,8 @@ impl Growing {
     }
 
     fn append(&mut self, text: &str) -> Result<(), Failure> {
-        let path = &self.path;
-        self.file
-            .write_all(text.as_bytes())
-            .map_err(|error| Failure::Write {
-                path: path.display().to_string(),
-                error,
-            })
+        let written = self.file.write_all(text.as_bytes());
+        written.map_err(Failure::written(&self.path))
     }
 
     /// Puts these rows in place of all others, in this order.

@@ -3,38 +3,28 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-use palpate_records::report::STYLE;
+use palpate_records::report::page;
 use palpate_records::report::svg::escape;
 use palpate_records::runs::{MEASURED, RunRow, number};
 use palpate_records::verdict::Conclusion;
 
-use super::chart::{self, LINES, Line, Spot, chart, ends, legend, with_unit};
+use super::chart::{LINES, Line, Spot, chart, ends, legend, with_unit};
 
 /// The begin of a page: heading and verdict.
 pub fn head(title: &str, conclusion: &Conclusion) -> String {
-    let title = escape(title);
-    let why: String = conclusion
-        .why
-        .iter()
-        .map(|why| format!("<span>{}</span>", escape(why)))
-        .collect();
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>{title} \u{b7} palpate</title>\n<style>\n{STYLE}{}</style></head>\n<body><main>\n\
-         <header><h1>{title}</h1></header>\n\
-         <p class=\"verdict {}\" role=\"status\"><strong>{}</strong>{why}</p>\n",
-        chart::STYLE,
-        conclusion.verdict.key(),
-        conclusion.verdict.word(),
+        "{}<header><h1>{}</h1></header>\n{}",
+        page::head(title),
+        escape(title),
+        page::verdict(conclusion.verdict, &conclusion.why)
     )
 }
 
 /// The end of a page.
 pub fn foot() -> String {
-    format!(
-        "<footer>palpate {}. Every value here comes from emulated hardware and a model of the skin.</footer>\n</main></body></html>\n",
-        env!("CARGO_PKG_VERSION")
+    page::foot(
+        ". Every value here comes from emulated hardware and a model of the skin.",
+        "",
     )
 }
 
@@ -113,7 +103,7 @@ fn place(row: &RunRow, key: &str) -> Option<f64> {
 }
 
 /// The lines of a figure over a key: one for each combination of the others' values, while these can be told apart.
-fn lines(rows: &[&RunRow], key: &str, figure: usize) -> Vec<Line> {
+fn lines(rows: &[&RunRow], key: &str, figure: &str) -> Vec<Line> {
     let mut differing: BTreeMap<&String, BTreeSet<&String>> = BTreeMap::new();
     for (other, value) in rows
         .iter()
@@ -137,7 +127,7 @@ fn lines(rows: &[&RunRow], key: &str, figure: usize) -> Vec<Line> {
     let told = names.len() <= LINES;
     let mut found: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
     for row in rows {
-        let Some((x, y)) = place(row, key).zip(row.values[figure]) else {
+        let Some((x, y)) = place(row, key).zip(row.values.get(figure).copied()) else {
             continue;
         };
         let line = if told {
@@ -163,8 +153,11 @@ fn lines(rows: &[&RunRow], key: &str, figure: usize) -> Vec<Line> {
 }
 
 /// The least and the most of a figure.
-fn range(rows: &[&RunRow], figure: usize) -> Option<(f64, f64)> {
-    ends(rows.iter().filter_map(|row| row.values[figure]))
+fn range(rows: &[&RunRow], figure: &str) -> Option<(f64, f64)> {
+    ends(
+        rows.iter()
+            .filter_map(|row| row.values.get(figure).copied()),
+    )
 }
 
 /// The figures over one key.
@@ -180,11 +173,11 @@ fn section(out: &mut String, key: &str, rows: &[&RunRow]) {
         escape(key)
     );
     let mut names = String::new();
-    for (n, measured) in MEASURED.iter().enumerate() {
-        if range(rows, n).is_none_or(|(low, high)| low >= high) {
+    for measured in &MEASURED {
+        if range(rows, measured.key).is_none_or(|(low, high)| low >= high) {
             continue;
         }
-        let lines = lines(rows, key, n);
+        let lines = lines(rows, key, measured.key);
         let x = with_unit(key, unit(key));
         out.push_str(&chart(
             &lines,
@@ -198,8 +191,8 @@ fn section(out: &mut String, key: &str, rows: &[&RunRow]) {
 
 /// The figures that are the same in every run, in words.
 fn constant(out: &mut String, rows: &[&RunRow]) {
-    let same = MEASURED.iter().enumerate().filter_map(|(n, measured)| {
-        let (low, high) = range(rows, n)?;
+    let same = MEASURED.iter().filter_map(|measured| {
+        let (low, high) = range(rows, measured.key)?;
         let text = format!("{} {} {}", measured.words, number(low), measured.unit);
         (low >= high).then(|| text.trim_end().to_owned())
     });

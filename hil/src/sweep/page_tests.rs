@@ -5,9 +5,7 @@ use palpate_records::runs::{RunKey, Values};
 
 fn row(set: &[(&str, &str)], seed: u64, error: f64) -> RunRow {
     let set = set.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
-    let mut values = Values::default();
-    values[0] = Some(error);
-    values[13] = Some(5.0);
+    let values = Values::from([("path_error_rmse_mm", error), ("contacts", 5.0)]);
     RunRow {
         key: RunKey {
             set: set.collect(),
@@ -29,7 +27,7 @@ fn a_line_goes_through_the_means_with_the_spread_over_seeds() {
     ];
     let rows: Vec<&RunRow> = rows.iter().collect();
     assert_eq!(swept(&rows), ["tau_ms"]);
-    let drawn = lines(&rows, "tau_ms", 0);
+    let drawn = lines(&rows, "tau_ms", "path_error_rmse_mm");
     let spot = |x, low, mean, high| Spot { x, low, mean, high };
     assert_eq!(
         drawn[0],

@@ -11,7 +11,7 @@ use palpate_run::sweep::{Grid, Variant};
 use rayon::prelude::*;
 
 use super::growing::Growing;
-use crate::output::Outputs;
+use palpate_live::output::Outputs;
 
 /// What is to run, and what has.
 #[derive(Debug)]

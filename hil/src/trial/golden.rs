@@ -9,9 +9,9 @@ use palpate_records::diff::{Tolerance, compare};
 use palpate_records::story::Story;
 use palpate_records::trace::Trace;
 use palpate_records::verdict::{Conclusion, Verdict};
-use palpate_run::Failure;
+use palpate_run::{Failure, damaged};
 
-use crate::output::{make_folder, write_file};
+use palpate_live::output::{make_folder, write_file};
 
 /// Largest golden, bytes: hundreds of times what one has.
 const LARGEST: u64 = 32 << 20;
@@ -100,12 +100,8 @@ impl Goldens {
             let old = match Story::read(&text) {
                 Ok(old) => old,
                 Err(damage) => {
-                    let line = damage.line;
-                    let text = format!(
-                        "{path}:{line}: expected {}, found {}",
-                        damage.expected, damage.found
-                    );
-                    wrong.add(Verdict::Failed, text);
+                    let error = damaged(path.to_string(), damage);
+                    wrong.add(Verdict::Failed, error.to_string());
                     continue;
                 }
             };

@@ -6,8 +6,8 @@ use std::time::Duration;
 use palpate_buses::guardian::{Latch, Sweeper};
 use palpate_records::trace::event;
 
-use crate::real::watch;
 use palpate_files::{Bench, Overload, Scene};
+use palpate_live::real::watch;
 use palpate_run::Outcome;
 
 /// How long an adapter may take to read its boards.

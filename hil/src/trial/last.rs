@@ -7,7 +7,7 @@ use palpate_files::FileError;
 use palpate_run::Failure;
 
 use super::{Trial, TrialEnd};
-use crate::output::{make_folder, write_file};
+use palpate_live::output::{make_folder, write_file};
 
 fn file(folder: &Path) -> PathBuf {
     folder.join(".palpate").join("last-failed")

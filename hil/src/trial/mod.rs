@@ -13,13 +13,12 @@ mod suite;
 use std::fmt;
 use std::time::Duration;
 
-use crate::clock;
-use crate::host::Onlooker;
-use crate::output::Outputs;
-use crate::real::{self, Wanted};
 use palpate_files::Setup;
+use palpate_live::clock;
+use palpate_live::host;
+use palpate_live::views::Wanted;
 use palpate_records::verdict::{Conclusion, Verdict};
-use palpate_run::{Failure, Input, Keep, Outcome, run_with, stopped_by};
+use palpate_run::{Failure, Input, Keep, Outcome, stopped_by};
 
 pub use capability::lacks;
 pub use golden::Goldens;
@@ -182,22 +181,11 @@ pub fn attempt(
     also: impl FnOnce(&Outcome, &mut Conclusion) -> Result<(), Failure>,
 ) -> Result<Try, Failure> {
     let is_real = setup.bench.value.is_hardware();
-    let done = if is_real {
-        let told = real::Told {
-            quiet: true,
-            ..real::Told::default()
-        };
-        let wanted = Wanted {
-            files: &[],
-            outputs: Outputs::NEW,
-            told,
-        };
-        real::run(setup, &Input::Scene, seed, wanted)
-    } else {
-        let host = &mut Onlooker::default();
-        run_with(setup, &Input::Scene, seed, Keep::default(), host)
+    let wanted = Wanted {
+        quiet: true,
+        ..Wanted::default()
     };
-    match done {
+    match host::run(setup, &Input::Scene, seed, Keep::default(), wanted) {
         Ok(outcome) => {
             let mut tried = judge(setup, &outcome);
             also(&outcome, &mut tried.wrong)?;

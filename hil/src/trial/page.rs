@@ -2,37 +2,23 @@
 
 use std::fmt::Write;
 
-use palpate_records::report::STYLE;
+use palpate_records::report::page::{self, foot, head, table};
 use palpate_records::report::svg::escape;
 use palpate_records::verdict::Verdict;
 
-use super::{Trial, TrialEnd};
+use super::{Measure, Trial, TrialEnd};
 
 /// The page of all trials, by bench. `counts` says how many there were.
 pub fn page(verdict: Verdict, counts: &str, suites: &[(String, Vec<Trial>)]) -> String {
-    let mut out = String::with_capacity(64 * 1024);
-    let _ = write!(
-        out,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>trials \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>\n\
-         <header><h1>Trials</h1></header>\n\
-         <p class=\"verdict {}\" role=\"status\"><strong>{}</strong><span>{}</span></p>\n",
-        verdict.key(),
-        verdict.word(),
-        escape(counts)
-    );
+    let mut out = head("trials");
+    out.push_str("<header><h1>Trials</h1></header>\n");
+    out.push_str(&page::verdict(verdict, &[counts.to_owned()]));
     for (bench, trials) in suites {
         let _ = writeln!(out, "<section><h2>On {}</h2>", escape(bench));
         trials.iter().for_each(|trial| line(&mut out, trial));
         out.push_str("</section>\n");
     }
-    let _ = writeln!(
-        out,
-        "<footer>palpate {}</footer>\n</main></body></html>",
-        env!("CARGO_PKG_VERSION")
-    );
-    out
+    out + &foot("", "")
 }
 
 fn line(out: &mut String, trial: &Trial) {
@@ -58,23 +44,17 @@ fn line(out: &mut String, trial: &Trial) {
         let _ = write!(out, "<p class=\"sub\">{}</p>", escape(text));
     }
     if !trial.measures.is_empty() {
-        out.push_str("<table><tr><th>measured</th><th>value and limit</th></tr>\n");
-        for measure in &trial.measures {
-            let class = if measure.good() {
-                ""
-            } else {
-                " class=\"over\""
-            };
+        let row = |measure: &Measure| {
             let words = measure.words();
             let value = words.strip_prefix(&measure.name).unwrap_or(&words);
-            let _ = writeln!(
-                out,
-                "<tr{class}><td>{}</td><td>{}</td></tr>",
-                escape(&measure.name),
-                escape(value.trim_start_matches(':').trim())
-            );
-        }
-        out.push_str("</table>");
+            let value = value.trim_start_matches(':').trim();
+            (
+                !measure.good(),
+                vec![measure.name.clone(), value.to_owned()],
+            )
+        };
+        let columns = [("", "measured"), ("", "value and limit")];
+        out.push_str(&table(&columns, trial.measures.iter().map(row)));
     }
     out.push_str("</details>\n");
 }

@@ -1,11 +1,10 @@
 //! Which trials a command line means: built-in scenes by name, scene files, and folders with the scenes, benches and
 //! quarantine of a project.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{
-    FileError, FileKind, Loaded, Scene, Source, did_you_mean, kind_of, load_scene,
+    FileError, FileKind, Loaded, Scene, Source, did_you_mean, entries, kind_of, load_scene,
 };
 use palpate_run::Failure;
 
@@ -103,15 +102,7 @@ impl Suite {
 
     /// Scenes and benches in a folder and those below it, known by what they say.
     fn search(&mut self, folder: &Path, depth: usize) -> Result<(), Failure> {
-        let label = folder.display().to_string();
-        let bad = |e: std::io::Error| FileError::whole(&label, "a readable folder", e.to_string());
-        let entries = fs::read_dir(folder).map_err(bad)?;
-        let mut paths = Vec::new();
-        for entry in entries {
-            paths.push(entry.map_err(bad)?.path());
-        }
-        paths.sort_unstable();
-        for path in paths {
+        for path in entries(folder)? {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
             let name = name.unwrap_or_default();
             if name.starts_with('.') || SKIPPED.contains(&name.as_str()) || name == QUARANTINE {

@@ -17,18 +17,14 @@ mod threshold;
 
 pub use analyse::{
     Analysis, AnalysisTable, Chosen, Comparison, Drawn, OfWire, OneDrawing, Participant, PathError,
-    Rated, Within, analyse, compare_paths, fitted, tables,
+    Rated, analyse, compare_paths, fitted, tables,
 };
 pub use people::{Known, Path, Person};
 pub use psychometric::Psychometric;
-pub use quest::{Estimate, Quest, QuestDomain};
+pub use quest::Estimate;
 pub use record::{About, Interval, Line, Noted, Played, Record, RecordError, Said, VERSION};
-pub use session::{
-    Answer, AnswerError, Ask, Estimates, Reply, Sample, Session, Step, Stimulus, TaskKind, Trial,
-};
+pub use session::{Answer, AnswerError, Ask, Reply, Sample, Session, Step, Stimulus, Trial};
 pub use simulate::{
-    Choices, Drawings, Levels, Outcome, Places, Ratings, Simulation, StudyError, Thresholds,
-    simulate,
+    Detection, Drawings, Levels, Outcome, Places, Simulation, StudyError, Thresholds, simulate,
 };
-pub use staircase::{Staircase, StaircaseSettings};
 pub use threshold::Thresholding;

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use palpate_core::random::RandomStream;
-use palpate_files::{Normal, Protocol};
+use palpate_files::{Normal, Protocol, TaskKind};
 
 use crate::psychometric::Psychometric;
-use crate::session::{Answer, Ask, Reply, Sample, Step, Stimulus, TaskKind, Trial};
+use crate::session::{Answer, Ask, Reply, Sample, Step, Stimulus, Trial};
 use crate::threshold::{FRACTIONS_DB, GUESS, LEAST_DB};
 
 /// A path: seconds, mm right and up on the display.
@@ -34,10 +34,8 @@ pub struct Person {
     /// Their number, from 1 on.
     number: u32,
     seed: u64,
-    /// By wire of each task.
-    pub(crate) absolute: Vec<Psychometric>,
-    pub(crate) difference: Vec<Psychometric>,
-    pub(crate) matching: Vec<Psychometric>,
+    /// Of each task whose levels follow from answers, by its wires.
+    pub(crate) felt: BTreeMap<TaskKind, Vec<Psychometric>>,
     place_bias: [f64; 2],
     drawing_bias: [f64; 2],
     drawing_scale: f64,
@@ -60,9 +58,7 @@ impl Person {
         let mut person = Self {
             number,
             seed,
-            absolute: Vec::new(),
-            difference: Vec::new(),
-            matching: Vec::new(),
+            felt: BTreeMap::new(),
             place_bias: [0.0; 2],
             drawing_bias: [0.0; 2],
             drawing_scale: 1.0,
@@ -80,7 +76,8 @@ impl Person {
                 guess: GUESS,
                 lapse,
             };
-            person.absolute = task.wires.iter().map(of_wire).collect();
+            let felt = task.wires.iter().map(of_wire).collect();
+            person.felt.insert(TaskKind::AbsoluteThreshold, felt);
         }
         if let Some(task) = &protocol.difference {
             let (people, random) = (&task.simulated, &mut stream(TaskKind::Difference));
@@ -92,7 +89,8 @@ impl Person {
                 guess: GUESS,
                 lapse,
             };
-            person.difference = task.wires.iter().map(of_wire).collect();
+            let felt = task.wires.iter().map(of_wire).collect();
+            person.felt.insert(TaskKind::Difference, felt);
         }
         if let Some(task) = &protocol.matching {
             let (people, random) = (&task.simulated, &mut stream(TaskKind::Matching));
@@ -103,7 +101,8 @@ impl Person {
                 guess: lapse,
                 lapse,
             };
-            person.matching = task.wires.iter().map(of_wire).collect();
+            let felt = task.wires.iter().map(of_wire).collect();
+            person.felt.insert(TaskKind::Matching, felt);
         }
         if let Some(task) = &protocol.localisation {
             let random = &mut stream(TaskKind::Localisation);
@@ -158,35 +157,22 @@ impl Person {
     }
 
     fn interval(&self, protocol: &Protocol, trial: &Trial, random: &mut RandomStream) -> Answer {
-        let wire = trial.intervals.iter().find_map(|stimulus| match stimulus {
-            Stimulus::Wire { wire, .. } => Some(*wire),
-            _ => None,
-        });
         // Of two wires the one that is no reference.
-        let reference = protocol.matching.as_ref().map(|task| task.reference);
-        let other = trial.intervals.iter().find_map(|stimulus| match stimulus {
+        let matching = protocol.matching.as_ref();
+        let matching = matching.filter(|_| trial.task == TaskKind::Matching);
+        let reference = matching.map(|task| task.reference);
+        let wire = trial.intervals.iter().find_map(|stimulus| match stimulus {
             Stimulus::Wire { wire, .. } if Some(*wire) != reference => Some(*wire),
             _ => None,
         });
-        let of = |wires: Option<&Vec<u16>>, felt: &[Psychometric], wire: Option<u16>| {
-            let place = wires?.iter().position(|w| Some(*w) == wire)?;
-            felt.get(place)
-                .map(|felt| felt.correct(trial.level_db.unwrap_or_default()))
-        };
-        let yes = match trial.task {
-            TaskKind::AbsoluteThreshold => {
-                let wires = protocol.absolute_threshold.as_ref().map(|t| &t.wires);
-                of(wires, &self.absolute, wire)
+        let yes = match self.felt.get(&trial.task) {
+            Some(felt) => {
+                let mut wires = protocol.wires(trial.task).iter();
+                let place = wires.position(|w| Some(*w) == wire);
+                let felt = place.and_then(|place| felt.get(place));
+                felt.map(|felt| felt.correct(trial.level_db.unwrap_or_default()))
             }
-            TaskKind::Difference => {
-                let wires = protocol.difference.as_ref().map(|t| &t.wires);
-                of(wires, &self.difference, wire)
-            }
-            TaskKind::Matching => {
-                let wires = protocol.matching.as_ref().map(|t| &t.wires);
-                of(wires, &self.matching, other)
-            }
-            _ => Some(1.0 / (1.0 + libm::exp(-self.preference))),
+            None => Some(1.0 / (1.0 + libm::exp(-self.preference))),
         };
         let right = trial.right.unwrap_or(1);
         let says_yes = random.uniform() < yes.unwrap_or(0.5);

@@ -22,12 +22,12 @@ pub struct QuestDomain {
     pub part: f64,
 }
 
-/// An estimate with its 95 % interval.
+/// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The mean of what is held for possible.
+    /// The number; of a threshold the mean of what is held for possible.
     pub value: f64,
-    /// 2.5 % lie below.
+    /// 2.5 % of what is held for possible, or of samples drawn anew, lie below.
     pub low: f64,
     /// 2.5 % lie above.
     pub high: f64,
@@ -55,15 +55,8 @@ fn way(part: f64, slope: f64) -> f64 {
 }
 
 impl Quest {
-    /// Nothing is known yet. `None` where a list of the domain is empty.
-    pub fn new(domain: QuestDomain) -> Option<Self> {
-        let lists = [&domain.levels, &domain.thresholds, &domain.slopes];
-        let whole = lists.iter().all(|list| !list.is_empty());
-        whole.then(|| Self::flat(domain))
-    }
-
-    /// The same over a domain that is known to have no empty list.
-    pub(crate) fn flat(domain: QuestDomain) -> Self {
+    /// Nothing is known yet over a domain, none of whose lists is empty.
+    pub fn new(domain: QuestDomain) -> Self {
         let count = domain.thresholds.len() * domain.slopes.len();
         let (guess, lapse, part) = (domain.guess, domain.lapse, domain.part);
         let of = |level: f64| -> Vec<(f64, f64)> {

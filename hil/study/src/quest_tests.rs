@@ -33,7 +33,7 @@ fn it_asks_what_questplus_asks_trial_by_trial() {
     let vectors: Vectors = serde_json::from_str(include_str!("adaptive.json")).unwrap();
     assert_eq!(vectors.quest.len(), 6);
     for (number, session) in vectors.quest.iter().enumerate() {
-        let mut quest = Quest::new(domain()).unwrap();
+        let mut quest = Quest::new(domain());
         assert_eq!(session.levels.len(), 60);
         for (trial, level) in session.levels.iter().enumerate() {
             let asked = (quest.next(), trial);
@@ -50,26 +50,12 @@ fn it_asks_what_questplus_asks_trial_by_trial() {
 }
 
 #[test]
-fn nothing_to_choose_from_is_no_method() {
-    for empty in 0..3 {
-        let mut domain = domain();
-        match empty {
-            0 => domain.levels.clear(),
-            1 => domain.thresholds.clear(),
-            _ => domain.slopes.clear(),
-        }
-        assert!(Quest::new(domain).is_none());
-    }
-}
-
-#[test]
 fn answers_that_cannot_be_leave_what_was_known() {
     let mut quest = Quest::new(QuestDomain {
         lapse: 0.0,
         guess: 0.0,
         ..domain()
-    })
-    .unwrap();
+    });
     // Not a number is at no level; the nearest is then the first.
     quest.answer(f64::NAN, true);
     quest.answer(1e300, false);

@@ -2,11 +2,11 @@
 //!
 //! A session is begun again from these lines alone, and all that is said of it is computed from them.
 
-use palpate_files::Protocol;
+use palpate_files::{Protocol, TaskKind};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::session::{AnswerError, Reply, Session, Stimulus, TaskKind, Trial};
+use crate::session::{AnswerError, Reply, Session, Stimulus, Trial};
 
 /// Version of these lines; grows when a field changes what it says.
 pub const VERSION: u32 = 1;

@@ -1,15 +1,17 @@
 //! A protocol answered by simulated people, whose truth is known: how well it is found again, and how many people a
 //! difference needs.
 
+use std::collections::BTreeMap;
+
 use palpate_core::random::RandomStream;
-use palpate_files::{ChoiceTask, Protocol, RatingTask};
+use palpate_core::statistics::{mean, median};
+use palpate_files::{ChoiceTask, Protocol, RatingTask, TaskKind};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::analyse::{compare_paths, median, sign_test};
+use crate::analyse::{compare_paths, sign_test};
 use crate::compare::test;
 use crate::people::{Known, Person, drawn};
-use crate::psychometric::Psychometric;
 use crate::quest::Estimate;
 use crate::session::{Answer, Reply, Session, Step, Stimulus};
 
@@ -85,23 +87,12 @@ pub struct Drawings {
     pub breaks_mean: f64,
 }
 
-/// How often people are found to prefer one of two.
+/// How often studies find an effect, p below 5 %.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Choices {
-    /// The share of 1000 studies that find a preference where there is none (sign test over people, p below 5 %).
+pub struct Detection {
+    /// The share of 1000 studies that find an effect where there is none.
     pub false_positive_rate: f64,
-    /// The share that find the protocol's preference.
-    pub power: f64,
-    /// People of whom 80 % of studies find it; null where a thousand do not do.
-    pub people_for_power: Option<u32>,
-}
-
-/// How often two groups are found to differ.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Ratings {
-    /// The share of 1000 studies that find a difference where there is none.
-    pub false_positive_rate: f64,
-    /// The share that find the protocol's difference.
+    /// The share that find the protocol's effect.
     pub power: f64,
     /// People of whom 80 % of studies find it; null where a thousand do not do.
     pub people_for_power: Option<u32>,
@@ -113,9 +104,10 @@ pub struct Outcome {
     /// Of the threshold task, where there is one.
     #[serde(flatten)]
     pub thresholds: Option<Thresholds>,
-    /// Of the rating task: of two groups of people, who met two conditions or gave two studies of the same one.
+    /// Of the rating task: a difference between two groups of people, who met two conditions or gave two studies of the same
+    /// one.
     #[serde(flatten)]
-    pub ratings: Option<Ratings>,
+    pub ratings: Option<Detection>,
     /// Of the difference task: of the part of the amplitude.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub difference: Option<Levels>,
@@ -128,17 +120,16 @@ pub struct Outcome {
     /// Of the drawing task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawing: Option<Drawings>,
-    /// Of the choice task.
+    /// Of the choice task: a preference for one of two, by the sign test over people.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub choice: Option<Choices>,
+    pub choice: Option<Detection>,
 }
 
 /// What one person's session came to, beside their truth.
 #[derive(Debug, Default)]
 struct Answered {
-    absolute: Vec<(f64, Estimate)>,
-    difference: Vec<(f64, Estimate)>,
-    matching: Vec<(f64, Estimate)>,
+    /// True level and estimate, by task.
+    levels: BTreeMap<TaskKind, Vec<(f64, Estimate)>>,
     /// Whether the nearest wire was the driven one, and how far off it was, mm.
     places: Vec<(bool, f64)>,
     /// Error and Frechet distance, mm, and breaks.
@@ -158,29 +149,41 @@ pub fn simulate(protocol: &Protocol, of: Simulation, known: &Known) -> Result<Ou
     let people: Vec<Answered> = people
         .map(|number| answered(protocol, number, of.seed, known))
         .collect();
-    let all = |pick: fn(&Answered) -> &Vec<(f64, Estimate)>| -> Vec<(f64, Estimate)> {
-        people
-            .iter()
-            .flat_map(|person| pick(person).iter().copied())
-            .collect()
+    let all = |task: TaskKind| -> Vec<(f64, Estimate)> {
+        let each = people.iter().filter_map(|person| person.levels.get(&task));
+        each.flatten().copied().collect()
     };
     let places: Vec<_> = people.iter().flat_map(|p| &p.places).copied().collect();
     let drawings: Vec<_> = people.iter().flat_map(|p| &p.drawings).copied().collect();
     Ok(Outcome {
-        thresholds: thresholds(&all(|p| &p.absolute)),
-        ratings: protocol.rating.as_ref().map(|task| ratings(task, of)),
-        difference: levels(&all(|p| &p.difference)),
-        matching: levels(&all(|p| &p.matching)),
-        localisation: (!places.is_empty()).then(|| Places {
-            correct: places.iter().filter(|(right, _)| *right).count() as f64 / places.len() as f64,
-            error_mm_median: median(&places.iter().map(|(_, mm)| *mm).collect::<Vec<_>>()),
+        thresholds: thresholds(&all(TaskKind::AbsoluteThreshold)),
+        ratings: protocol.rating.as_ref().map(|task| {
+            let size = task.simulated.difference;
+            detection(size, of, |size, of| differ(task, size, of))
         }),
-        drawing: (!drawings.is_empty()).then(|| Drawings {
-            rmse_mm_median: median(&drawings.iter().map(|d| d.0).collect::<Vec<_>>()),
-            frechet_mm_median: median(&drawings.iter().map(|d| d.1).collect::<Vec<_>>()),
-            breaks_mean: drawings.iter().map(|d| d.2 as f64).sum::<f64>() / drawings.len() as f64,
+        difference: levels(&all(TaskKind::Difference)),
+        matching: levels(&all(TaskKind::Matching)),
+        localisation: localisation(&places),
+        drawing: drawing(&drawings),
+        choice: protocol.choice.as_ref().map(|task| {
+            let size = task.simulated.preference.mean;
+            detection(size, of, |size, of| prefer(task, size, of))
         }),
-        choice: protocol.choice.as_ref().map(|task| choices(task, of)),
+    })
+}
+
+fn localisation(places: &[(bool, f64)]) -> Option<Places> {
+    Some(Places {
+        correct: mean(places.iter().map(|(right, _)| f64::from(u8::from(*right))))?,
+        error_mm_median: median(places.iter().map(|(_, mm)| *mm))?,
+    })
+}
+
+fn drawing(drawings: &[(f64, f64, usize)]) -> Option<Drawings> {
+    Some(Drawings {
+        rmse_mm_median: median(drawings.iter().map(|d| d.0))?,
+        frechet_mm_median: median(drawings.iter().map(|d| d.1))?,
+        breaks_mean: mean(drawings.iter().map(|d| d.2 as f64))?,
     })
 }
 
@@ -214,19 +217,16 @@ fn answered(protocol: &Protocol, number: u32, seed: u64, known: &Known) -> Answe
             break;
         }
     }
-    let found = session.estimates();
-    let beside = |truth: &[Psychometric], found: Vec<(u16, Estimate)>| {
-        let found = found.into_iter().map(|(_, estimate)| estimate);
-        truth.iter().map(|felt| felt.threshold).zip(found).collect()
-    };
-    // The level at which a wire is called stronger as often as weaker.
-    let alike = person.matching.iter().map(|felt| Psychometric {
-        threshold: felt.threshold + felt.halfway(),
-        ..*felt
-    });
-    answered.matching = beside(&alike.collect::<Vec<_>>(), found.matching);
-    answered.absolute = beside(&person.absolute, found.absolute);
-    answered.difference = beside(&person.difference, found.difference);
+    for (task, felt) in &person.felt {
+        let truth = felt.iter().map(|felt| match task {
+            // The level at which a wire is called stronger as often as weaker.
+            TaskKind::Matching => felt.threshold + felt.halfway(),
+            _ => felt.threshold,
+        });
+        let found = session.estimates(*task).into_iter();
+        let beside = truth.zip(found.map(|(_, estimate)| estimate)).collect();
+        answered.levels.insert(*task, beside);
+    }
     answered
 }
 
@@ -242,32 +242,27 @@ fn held(found: &[(f64, Estimate)]) -> f64 {
     found.iter().filter(holds).count() as f64 / found.len().max(1) as f64
 }
 
-fn widths(found: &[(f64, Estimate)]) -> f64 {
-    median(
-        &found
-            .iter()
-            .map(|(_, e)| e.high - e.low)
-            .collect::<Vec<_>>(),
-    )
+fn widths(found: &[(f64, Estimate)]) -> Option<f64> {
+    median(found.iter().map(|(_, e)| e.high - e.low))
 }
 
 fn thresholds(found: &[(f64, Estimate)]) -> Option<Thresholds> {
     let error =
         |(true_db, e): &(f64, Estimate)| (libm::pow(10.0, (e.value - true_db) / 20.0) - 1.0).abs();
-    (!found.is_empty()).then(|| Thresholds {
-        threshold_error_median: median(&found.iter().map(error).collect::<Vec<_>>()),
+    Some(Thresholds {
+        threshold_error_median: median(found.iter().map(error))?,
         coverage: held(found),
-        interval_db_median: widths(found),
+        interval_db_median: widths(found)?,
         thresholds: found.len(),
     })
 }
 
 fn levels(found: &[(f64, Estimate)]) -> Option<Levels> {
     let error = |(true_db, e): &(f64, Estimate)| (e.value - true_db).abs();
-    (!found.is_empty()).then(|| Levels {
-        error_db_median: median(&found.iter().map(error).collect::<Vec<_>>()),
+    Some(Levels {
+        error_db_median: median(found.iter().map(error))?,
         coverage: held(found),
-        interval_db_median: widths(found),
+        interval_db_median: widths(found)?,
         levels: found.len(),
     })
 }
@@ -283,39 +278,47 @@ fn mean_rating(task: &RatingTask, difference: f64, random: &mut RandomStream) ->
     (0..task.repeats).map(rating).sum::<f64>() / f64::from(task.repeats)
 }
 
+/// The share of studies that find an effect of this size, each with draws of its own.
+fn share(
+    word: &str,
+    size: f64,
+    of: Simulation,
+    finds: impl Fn(&mut RandomStream) -> bool + Sync,
+) -> f64 {
+    let found = |study: &u64| {
+        let name = format!("{word} {study} of {} people, {size}", of.people);
+        finds(&mut RandomStream::new(of.seed, &name))
+    };
+    (0..STUDIES).into_par_iter().filter(found).count() as f64 / STUDIES as f64
+}
+
+/// How often an effect of this size is found, by the share of studies with so many people that find one.
+fn detection(size: f64, of: Simulation, share: impl Fn(f64, Simulation) -> f64) -> Detection {
+    Detection {
+        false_positive_rate: share(0.0, of),
+        power: share(size, of),
+        people_for_power: least(|people| share(size, Simulation { people, ..of }) >= POWER),
+    }
+}
+
 /// The share of studies with so many people that find a difference of this size.
-fn share(task: &RatingTask, difference: f64, of: Simulation) -> f64 {
-    let finds = |study: &u64| {
-        let name = format!("study {study} of {} people, {difference}", of.people);
-        let mut random = RandomStream::new(of.seed, &name);
+fn differ(task: &RatingTask, difference: f64, of: Simulation) -> f64 {
+    share("study", difference, of, |random| {
         let mut group = |size: u32, difference: f64| -> Vec<f64> {
             (0..size)
-                .map(|_| mean_rating(task, difference, &mut random))
+                .map(|_| mean_rating(task, difference, random))
                 .collect()
         };
         let half = of.people / 2;
         let first = group(half, 0.0);
         let second = group(of.people - half, difference);
         test(&first, &second).is_some_and(|(_, p)| p < LEVEL)
-    };
-    (0..STUDIES).into_par_iter().filter(finds).count() as f64 / STUDIES as f64
-}
-
-fn ratings(task: &RatingTask, of: Simulation) -> Ratings {
-    let difference = task.simulated.difference;
-    let enough = |people| share(task, difference, Simulation { people, ..of }) >= POWER;
-    Ratings {
-        false_positive_rate: share(task, 0.0, of),
-        power: share(task, difference, of),
-        people_for_power: least(enough),
-    }
+    })
 }
 
 /// The share of studies with so many people that find a preference of this mean, by the sign test over people.
 fn prefer(task: &ChoiceTask, mean: f64, of: Simulation) -> f64 {
-    let finds = |study: &u64| {
-        let name = format!("choices {study} of {} people, {mean}", of.people);
-        let mut random = RandomStream::new(of.seed, &name);
+    share("choices", mean, of, |random| {
         let (mut second, mut first) = (0, 0);
         for _ in 0..of.people {
             let logit = mean + task.simulated.preference.sd * random.normal();
@@ -330,17 +333,7 @@ fn prefer(task: &ChoiceTask, mean: f64, of: Simulation) -> f64 {
             }
         }
         sign_test(second, second + first) < LEVEL
-    };
-    (0..STUDIES).into_par_iter().filter(finds).count() as f64 / STUDIES as f64
-}
-
-fn choices(task: &ChoiceTask, of: Simulation) -> Choices {
-    let mean = task.simulated.preference.mean;
-    Choices {
-        false_positive_rate: prefer(task, 0.0, of),
-        power: prefer(task, mean, of),
-        people_for_power: least(|people| prefer(task, mean, Simulation { people, ..of }) >= POWER),
-    }
+    })
 }
 
 /// The least number of people that is enough: doubled until it is, then halved in between.

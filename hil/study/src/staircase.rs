@@ -11,8 +11,6 @@ pub struct StaircaseSettings {
     pub down: u32,
     /// Least and most level, dB.
     pub range: (f64, f64),
-    /// It ends after so many turns.
-    pub turns: usize,
 }
 
 /// A transformed up-down staircase (Levitt 1971, "Transformed up-down methods in psychoacoustics", J. Acoust. Soc. Am. 49,
@@ -24,6 +22,7 @@ pub struct Staircase {
     /// Correct answers since the level last moved.
     streak: u32,
     rising: Option<bool>,
+    /// Levels, dB, at which it turned.
     turns: Vec<f64>,
 }
 
@@ -40,9 +39,9 @@ impl Staircase {
         }
     }
 
-    /// The level of the next trial, dB; `None` once it has turned often enough.
-    pub fn next(&self) -> Option<f64> {
-        (self.turns.len() < self.settings.turns).then_some(self.level)
+    /// The level of the next trial, dB.
+    pub const fn next(&self) -> f64 {
+        self.level
     }
 
     /// Takes the answer to the last level in.
@@ -75,11 +74,6 @@ impl Staircase {
         };
         self.level = level.min(most).max(least);
         self.streak = 0;
-    }
-
-    /// Levels, dB, at which it turned.
-    pub fn turns(&self) -> &[f64] {
-        &self.turns
     }
 }
 

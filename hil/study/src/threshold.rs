@@ -94,12 +94,11 @@ impl Thresholding {
                 steps: vec![8.0, 4.0, 2.0],
                 down: 2,
                 range,
-                turns: usize::MAX, // the number of trials ends it
             })
         };
         Self {
             staircase: (method == ThresholdMethod::Staircase).then(staircase),
-            quest: Quest::flat(domain),
+            quest: Quest::new(domain),
             left: trials,
         }
     }
@@ -109,9 +108,9 @@ impl Thresholding {
     pub fn next(&self) -> Option<f64> {
         let level = || match &self.staircase {
             Some(staircase) => staircase.next(),
-            None => Some(self.quest.next()),
+            None => self.quest.next(),
         };
-        (self.left > 0).then(level).flatten()
+        (self.left > 0).then(level)
     }
 
     /// The largest level that a trial may have, dB.

@@ -82,26 +82,23 @@ fn a_shorter_stimulus_is_told_in_words_with_exit_1() {
 }
 
 #[test]
-fn a_comment_in_the_scene_is_cosmetic() {
+fn another_description_of_the_scene_is_cosmetic_and_a_comment_is_nothing() {
     let folder = Folder::new("diff-cosmetic");
     let scene = palpate_fixtures::scene("sphere-along").unwrap();
-    let file = folder.write("commented.toml", &format!("{scene}\n# said otherwise\n"));
     let a = schedule(&folder, "a.jsonl", &[]);
-    let b = folder.path("b.jsonl").display().to_string();
-    good(&[
-        "run",
-        &file.display().to_string(),
-        "--quiet",
-        "--schedule",
-        &b,
-    ]);
-    let said = diff(&a, &b);
-    assert_eq!(said.status, Some(0));
-    assert!(
-        said.out.contains("nothing that could be felt or measured"),
-        "{}",
-        said.out
-    );
+    let described = scene.replacen("description = \"", "description = \"Again: ", 1);
+    for (text, expected) in [
+        (described, "nothing that could be felt or measured"),
+        (format!("{scene}\n# said otherwise\n"), "no difference"),
+    ] {
+        let file = folder.write("another.toml", &text);
+        let b = folder.path("b.jsonl").display().to_string();
+        let scene = file.display().to_string();
+        good(&["run", &scene, "--quiet", "--force", "--schedule", &b]);
+        let said = diff(&a, &b);
+        assert_eq!(said.status, Some(0));
+        assert!(said.out.contains(expected), "{}", said.out);
+    }
 }
 
 #[test]

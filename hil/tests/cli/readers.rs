@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use palpate_hil::clock;
+use palpate_live::clock;
 
 use super::*;
 

@@ -1,9 +1,7 @@
 //! The latent map as a drawing: points, an ellipse for each texture, the names beside them.
 
-use std::fmt::Write;
-
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot, Svg, dot};
+use palpate_records::report::svg::{self, Plot, Svg, dot};
 
 use crate::map::{Placed, View};
 
@@ -43,10 +41,8 @@ pub fn draw(placed: &[Placed<'_>], view: View, title: &str) -> String {
     }
     for (i, texture) in placed.iter().enumerate() {
         let mut line = String::new();
-        for (x, y) in texture.spot.outline().into_iter().map(|p| plot.at(p)) {
-            let pen = if line.is_empty() { 'M' } else { 'L' };
-            let _ = write!(line, "{pen}{x:.1} {y:.1}");
-        }
+        let outline = texture.spot.outline().into_iter();
+        outline.for_each(|p| svg::line(&mut line, plot.at(p)));
         svg.path(&line, &ring(texture, i));
         let mut middle = String::new();
         dot(&mut middle, plot.at(texture.spot.mean));

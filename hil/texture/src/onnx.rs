@@ -104,9 +104,7 @@ fn operation(kind: &str, inputs: &[&str], outputs: &[&str], attributes: &[(&str,
     let mut node = Message::default();
     // An empty name stands for an input or output left out; it has to be there all the same.
     let named = |node: &mut Message, field, name: &str| {
-        let mut text = Message::default();
-        text.raw(name.as_bytes());
-        node.inner(field, &text);
+        node.part(field, name.as_bytes());
     };
     for input in inputs {
         named(&mut node, 1, input);

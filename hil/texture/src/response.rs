@@ -2,6 +2,7 @@
 //! materials whose properties are independent.
 
 use palpate_core::random::RandomStream;
+use palpate_core::statistics;
 use palpate_core::texture::Encoder;
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture, spearman};
 use palpate_files::{Stands, TextureModel};
@@ -217,9 +218,9 @@ fn answers(asked: &[Condition], values: &[f64]) -> [Answer; FACTORS] {
             .map(|(_, value)| *value)
             .collect();
         let settings = of.chunks_exact(VALUES as usize);
-        let count = settings.len() as f64;
-        let rank = settings.clone().map(|s| spearman(s, &steps)).sum::<f64>() / count;
-        let far = settings.map(span).sum::<f64>() / count;
+        let rank = settings.clone().map(|s| spearman(s, &steps));
+        let rank = statistics::mean(rank).unwrap_or(f64::NAN);
+        let far = statistics::mean(settings.map(span)).unwrap_or(f64::NAN);
         Answer {
             rank,
             span: if whole > 0.0 { far / whole } else { 0.0 },

@@ -1,6 +1,6 @@
 //! From what a page chose to a setup.
 
-use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
+use palpate_files::{Loaded, Overrides, Setup, Source, load_bench, load_scene};
 use palpate_run::Failure;
 
 use crate::request::Chosen;
@@ -17,11 +17,7 @@ pub const SEED: u64 = 1;
 /// [`Failure::Input`] or [`Failure::File`] for what cannot be, or is not for a page.
 pub fn setup(chosen: &Chosen) -> Result<Setup, Failure> {
     let scene = match &chosen.text {
-        Some(text) => {
-            let source = Source::new("the session", text.clone());
-            let value = Scene::read(&source)?;
-            Loaded { value, source }
-        }
+        Some(text) => Loaded::read(Source::new("the session", text.clone()))?,
         None => load_scene(&chosen.scene)?,
     };
     let mut changes = Overrides::default();

@@ -7,7 +7,7 @@ use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Ticks};
 
 use palpate_files::Setup;
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::{Failure, plan};
 
 use crate::findings::{Findings, NO_ERROR};

@@ -32,7 +32,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use palpate_hil::output::{make_folder, note, print, write_file};
+use palpate_live::output::{make_folder, note, print, print_json, write_file};
+use palpate_records::report::svg::standalone;
 use palpate_run::Failure;
 
 use findings::{Findings, Row};
@@ -109,11 +110,10 @@ fn run(args: &Arguments) -> Result<(), Failure> {
     if args.quiet {
         return Ok(());
     }
+    if args.json {
+        return print_json(&rows);
+    }
     print(|out| {
-        if args.json {
-            serde_json::to_writer(&mut *out, &rows)?;
-            return writeln!(out);
-        }
         let mut tables = found.iter().map(table::text);
         tables.try_for_each(|text| out.write_all(text.as_bytes()))
     })
@@ -130,7 +130,8 @@ fn write(folder: &Path, found: &[Findings], rows: &[&Row]) -> Result<(), Failure
         for figure in &findings.figures {
             let path = folder.join(format!("{}-{}.svg", findings.family, figure.name));
             write_file(&path, |out| {
-                out.write_all(page::styled(figure.alone.as_ref().unwrap_or(&figure.svg)).as_bytes())
+                let drawing = figure.alone.as_ref().unwrap_or(&figure.svg);
+                out.write_all(standalone(drawing, "").as_bytes())
             })?;
         }
     }

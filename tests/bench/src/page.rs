@@ -1,6 +1,6 @@
 //! The measurements as one HTML page that needs nothing else.
 
-use palpate_records::report::STYLE;
+use palpate_records::report::page::{foot, head};
 use palpate_records::report::svg::escape;
 use std::fmt::Write;
 
@@ -9,12 +9,7 @@ use crate::table;
 
 /// All families on a page.
 pub fn html(found: &[Findings]) -> String {
-    let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>benchmarks \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>\
-         <header><h1>Benchmarks</h1></header>\n"
-    );
+    let mut page = head("benchmarks") + "<header><h1>Benchmarks</h1></header>\n";
     for findings in found {
         for figure in &findings.figures {
             let _ = writeln!(
@@ -33,19 +28,6 @@ pub fn html(found: &[Findings]) -> String {
         }
         page.push_str("</pre></section>\n");
     }
-    let _ = writeln!(
-        page,
-        "<footer>palpate {}. Medians of many calls, methods of a case in turn, in one run on this machine.</footer>\n\
-         </main></body></html>",
-        env!("CARGO_PKG_VERSION")
-    );
-    page
-}
-
-/// A drawing with the page's colours inside, to stand as a file of its own.
-pub fn styled(svg: &str) -> String {
-    let style = format!(
-        "<style>{STYLE}svg{{background:var(--card);font-family:system-ui,sans-serif}}</style>\n<"
-    );
-    svg.replacen("\n<", &format!("\n{style}"), 1)
+    let words = ". Medians of many calls, methods of a case in turn, in one run on this machine.";
+    page + &foot(words, "")
 }

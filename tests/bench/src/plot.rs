@@ -1,7 +1,7 @@
 //! Plots of measurements: work-precision diagrams, courses over time and places.
 
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot as Frame, Svg, dot, escape};
+use palpate_records::report::svg::{self, Plot as Frame, Svg, dot, key};
 use std::fmt::Write;
 
 use crate::findings::Figure;
@@ -290,8 +290,7 @@ impl<'a> Plot<'a> {
             let wide = wide.fold(f64::INFINITY, f64::min).clamp(2.0, 60.0) - 1.0;
             for &point in series.points.iter().filter(shown) {
                 let (x, y) = frame.at(point);
-                let step = if line.is_empty() { 'M' } else { 'L' };
-                let _ = write!(line, "{step}{x:.1} {y:.1}");
+                svg::line(&mut line, (x, y));
                 let (left, up, down) = (x - 3.0, y - 3.0, y + 3.0);
                 let _ = write!(crosses, "M{left:.1} {up:.1}l6 6M{left:.1} {down:.1}l6 -6");
                 dot(&mut dots, (x, y));
@@ -329,11 +328,7 @@ impl<'a> Plot<'a> {
                 Mark::Bars => format!("<path class=\"{}\" d=\"M3 11v-9h20v9z\"/>", bars_class(i)),
                 Mark::Crosses => "<path class=\"cross\" d=\"M9 2l8 8M9 10l8 -8\"/>".to_owned(),
             };
-            let _ = write!(
-                out,
-                "<span><svg viewBox=\"0 0 26 12\">{drawn}</svg>{}</span>",
-                escape(&self.named(i, series))
-            );
+            key(&mut out, &drawn, &self.named(i, series));
         }
         out.push_str("</div>");
         out

@@ -14,7 +14,7 @@ use palpate_core::schedule::Entry;
 use palpate_core::skin::{CanSkin, Module};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::{Failure, plan};
 
 use crate::findings::{Findings, NO_ERROR};

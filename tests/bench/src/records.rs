@@ -12,11 +12,11 @@ use palpate_records::schedule::write_schedule;
 use palpate_records::trace::Event;
 use palpate_records::vcd::write_vcd;
 
-use palpate_files::Setup;
-use palpate_hil::clock;
-use palpate_hil::output::{Outputs, write_file};
-use palpate_hil::record::{About, Journal, Kind, Sink};
-use palpate_hil::recording::write_can_log;
+use palpate_files::{Format, Setup};
+use palpate_live::clock;
+use palpate_live::output::{Outputs, write_file};
+use palpate_live::record::{About, Journal, Sink};
+use palpate_live::recording::write_can_log;
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
 use crate::findings::Findings;
@@ -50,13 +50,13 @@ const ALL: Keep = Keep {
     summary: false,
 };
 
-fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
-    write_file(path, |out| match kind {
-        Kind::Contacts => write_table(&outcome.trace, out),
-        Kind::Schedule => write_schedule(&outcome.trace, out),
-        Kind::Can => write_can_log(&outcome.can, &[], out),
-        Kind::Vcd => write_vcd(&outcome.trace, out),
-        Kind::Mcap => {
+fn write(format: Format, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+    write_file(path, |out| match format {
+        Format::Contacts => write_table(&outcome.trace, out),
+        Format::Schedule => write_schedule(&outcome.trace, out),
+        Format::Candump => write_can_log(&outcome.can, &[], out),
+        Format::Vcd => write_vcd(&outcome.trace, out),
+        _ => {
             let traffic = BusTraffic {
                 can: &outcome.can,
                 i2c: &outcome.i2c,
@@ -68,12 +68,12 @@ fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<()
     })
 }
 
-const KINDS: [(Kind, &str); 5] = [
-    (Kind::Mcap, "mcap"),
-    (Kind::Can, "log"),
-    (Kind::Vcd, "vcd"),
-    (Kind::Contacts, "csv"),
-    (Kind::Schedule, "jsonl"),
+const FORMATS: [(Format, &str); 5] = [
+    (Format::Mcap, "mcap"),
+    (Format::Candump, "log"),
+    (Format::Vcd, "vcd"),
+    (Format::Contacts, "csv"),
+    (Format::Schedule, "jsonl"),
 ];
 
 /// Measures every record.
@@ -97,9 +97,9 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
     let mut race = Race::default();
     race.enter(|| run(Keep::default()).map(drop));
     race.enter(|| run(ALL).map(drop));
-    for (kind, ending) in KINDS {
+    for (format, ending) in FORMATS {
         let (outcome, setup, path) = (&outcome, &setup, path(ending));
-        race.enter(move || write(kind, &path, setup, outcome));
+        race.enter(move || write(format, &path, setup, outcome));
     }
     let samples = race.run(7, Wall::from_secs(20));
     let (alone, keeping) = (samples[0].median(), samples[1].median());
@@ -107,8 +107,8 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
     found.row(CASE, "default", (0.0, "MB"), alone);
     let kept = (keeping - alone).max(0.0);
     found.row(CASE, "frames and transfers kept", (0.0, "MB"), kept);
-    for ((kind, ending), samples) in KINDS.iter().zip(&samples[2..]) {
-        write(*kind, &path(ending), &setup, &outcome)?;
+    for ((format, ending), samples) in FORMATS.iter().zip(&samples[2..]) {
+        write(*format, &path(ending), &setup, &outcome)?;
         let bytes = fs::metadata(path(ending)).map_err(|e| device(&e))?.len();
         let size = bytes as f64 * 1e-6;
         found.row(CASE, ending, (size, "MB"), samples.median());
@@ -139,12 +139,12 @@ struct Turns {
 
 /// The minute again, turn by turn as a real run hands it over.
 fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure> {
-    let files = [(Kind::Mcap, PathBuf::from(path))];
+    let files = [(Format::Mcap, PathBuf::from(path))];
     let attached = attachments(setup);
     let sinks = Sink::create_all(
         &files,
         &About::Run(&outcome.trace.header, &[], &attached),
-        Outputs::NEW,
+        Outputs::default(),
     )?;
     let mut journal = Journal::start(sinks, false)?;
     let (mut samples, mut sum_us) = (Samples::default(), 0.0);

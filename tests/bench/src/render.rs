@@ -12,7 +12,7 @@ use palpate_core::illusion::{
 use palpate_core::render::{CADENCE, Pattern, RenderSettings, Renderer, Response, Style, Volley};
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Point, Ticks};
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::Failure;
 
 use crate::findings::{Error, Findings};

@@ -4,8 +4,9 @@ use palpate_core::illusion::Display;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Board, Channel};
 use palpate_files::{LayoutFile, Scene, Setup, load_bench, load_layout, load_scene};
-use palpate_hil::host::Onlooker;
-use palpate_run::{Failure, Input, Keep, Outcome, plan, run_with};
+use palpate_live::host;
+use palpate_live::views::Wanted;
+use palpate_run::{Failure, Input, Keep, Outcome, plan};
 
 /// A scene on the emulated bench, changed.
 ///
@@ -20,9 +21,9 @@ pub fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Fai
 /// A run with every frame timed.
 ///
 /// # Errors
-/// As [`run_with`].
+/// As [`host::run`].
 pub fn run(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
-    run_with(setup, input, 1, Keep::default(), &mut Onlooker::default())
+    host::run(setup, input, 1, Keep::default(), Wanted::default())
 }
 
 /// Median time of a frame, microseconds.

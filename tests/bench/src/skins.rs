@@ -9,7 +9,7 @@ use palpate_core::projector::Projector;
 use palpate_core::skin::{Baseline, BaselinePhase, Layout, ModuleScan, RelativeFrame, Scan};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::place::{Place, fingers};
 use palpate_run::{Failure, TaxelTable, build, plan, taxels};
 

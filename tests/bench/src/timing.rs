@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use palpate_hil::clock;
+use palpate_core::statistics::quantile;
+use palpate_live::clock;
 
 /// A sample lasts at least this long, several calls of a short method, so that the clock's own cost does not count.
 const SHORT: Duration = Duration::from_millis(1);
@@ -96,12 +97,11 @@ impl Samples {
         self.0.len()
     }
 
-    /// The value that `part` of the samples do not exceed; NaN without samples.
+    /// The sample below which `part` of them lies; NaN without samples.
     pub fn quantile(&self, part: f64) -> f64 {
         let mut sorted = self.0.clone();
         sorted.sort_by(f64::total_cmp);
-        let rank = (part * sorted.len() as f64).ceil().max(1.0) as usize - 1;
-        sorted.get(rank).copied().unwrap_or(f64::NAN)
+        quantile(&sorted, part).map_or(f64::NAN, |at| at.below)
     }
 
     /// Half are not longer.

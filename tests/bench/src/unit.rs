@@ -11,7 +11,7 @@ use palpate_core::codec::link::{HEADER, MOST, Request, TAG};
 use palpate_core::guard::{Guard, HARD, Plant};
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Ticks};
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::Failure;
 use palpate_tests::unit::{Host, LetterBox, plan, unit, wires};
 

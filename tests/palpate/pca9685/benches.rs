@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use palpate_core::driver::{Actuators, Banks};
+use palpate_core::driver::{Actuators, Banks, Driver};
 use palpate_core::guard::{Guard, HARD, Plant};
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Instant, Milliamps, Ticks};

@@ -51,9 +51,10 @@ impl Bench {
         ))
     }
 
-    fn over(segment: I2cSegment) -> Self {
+    fn over(mut segment: I2cSegment) -> Self {
+        segment.keep_log(1000);
         Self {
-            bus: I2cHandle::new(segment.with_log(1000)),
+            bus: I2cHandle::new(segment),
             edges: Vec::new(),
         }
     }

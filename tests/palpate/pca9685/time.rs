@@ -2,6 +2,10 @@
 
 use super::*;
 
+/// The slowest and the fastest oscillator seen on real lots.
+const SLOWEST: Oscillator = Oscillator::from_hz(23_000_000);
+const FASTEST: Oscillator = Oscillator::from_hz(27_400_000);
+
 #[test]
 fn two_hundred_hertz_is_pre_30_and_196_89_hz() {
     let mut bench = Bench::awake();
@@ -99,16 +103,16 @@ fn a_35_ms_stimulus_delivers_6_7_or_8_pulses() {
         (nominal[7] as f64 / 400.0 - 0.89).abs() < 0.01,
         "{nominal:?}"
     );
-    let slow = spread(Oscillator::SLOWEST);
+    let slow = spread(SLOWEST);
     assert_eq!(slow[6] + slow[7], 400, "{slow:?}");
-    let fast = spread(Oscillator::FASTEST);
+    let fast = spread(FASTEST);
     assert_eq!(fast[7] + fast[8], 400, "{fast:?}");
     assert!(fast[8] > 0 && slow[6] > 0);
 }
 
 #[test]
 fn oscillators_seen_span_181_to_216_hz() {
-    for (oscillator, hz) in [(Oscillator::SLOWEST, 181.0), (Oscillator::FASTEST, 216.0)] {
+    for (oscillator, hz) in [(SLOWEST, 181.0), (FASTEST, 216.0)] {
         let mut bench = Bench::with_oscillator(oscillator);
         bench.wake();
         bench.channel(0, 0, 100);
@@ -161,7 +165,7 @@ fn a_drifting_oscillator_changes_the_period_and_not_with_how_often_one_looks() {
 #[test]
 fn boards_are_asynchronous_to_one_another() {
     let mut fast = Config::new(0x41);
-    fast.oscillator = Oscillator::FASTEST;
+    fast.oscillator = FASTEST;
     let mut bench = Bench::new(&[Config::new(0x40), fast]);
     bench.try_write(0x70, &[map::MODE1, 0x21]).unwrap();
     bench.wait_us(500);

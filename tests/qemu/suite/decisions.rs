@@ -9,7 +9,7 @@ use palpate_image::rig::{Kind, Outcome};
 use palpate_image::{ANSWER, QUESTION, Question, answer};
 use palpate_qemu::{Guest, LIMITS, Machine, Network, WIRES};
 
-use super::machines::{image, on_each_machine};
+use super::machines::{image, in_qemu};
 
 /// A guard in an image, and one like it here.
 pub struct Pair {
@@ -81,7 +81,7 @@ fn stimuli(s: &mut RandomStream, board: u8) -> Vec<(u16, Ticks, Duration)> {
     (0..count).map(one).collect()
 }
 
-on_each_machine!(an_image_decides_as_the_guard_does_here);
+in_qemu!(an_image_decides_as_the_guard_does_here);
 
 fn an_image_decides_as_the_guard_does_here(machine: Machine) {
     let schedules = std::env::var("PALPATE_DECISIONS").map_or(1000, |n| n.parse().unwrap());

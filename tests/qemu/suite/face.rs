@@ -7,10 +7,10 @@ use palpate_emulators::display::peltier::{ModuleState, Peltier, SensorDefect};
 use palpate_emulators::time::Nanos;
 use palpate_qemu::{Chips, Lockstep, Machine};
 
-use super::machines::{PICO, met_on, on_each_machine};
+use super::machines::{PICO, in_qemu, met_on};
 use super::sessions::play;
 
-on_each_machine! {
+in_qemu! {
     a_thermistor_that_fails_switches_the_bridge_off
     a_dead_host_leaves_no_current_100_ms_after_its_last_reading
     a_unit_that_hangs_leaves_no_current_after_its_reset

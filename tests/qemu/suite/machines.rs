@@ -9,23 +9,7 @@ use palpate_qemu::{Chips, Host, Lockstep, Machine};
 /// The key that `ci/unit` builds the images with.
 pub use super::held::KEY;
 
-/// The Stellaris board with the memory of a Feather M0.
-pub const LM3S6965EVB: Machine = Machine {
-    name: "lm3s6965evb",
-    program: "qemu-system-arm",
-    arguments: &["-M", "lm3s6965evb"],
-    beside: &[],
-    card: &[
-        "-nic",
-        "user,model=stellaris,hostfwd=udp:127.0.0.1:PORT-:4000",
-    ],
-    target: "thumbv6m-none-eabi",
-    shift: 5,
-    tick_ns: 20,
-    memory: (0x2000_0000, 32 * 1024),
-};
-
-/// QEMU's RISC-V board without its atomics and floats, as an ESP32-C3 is, with the memory of the other.
+/// QEMU's RISC-V board without its atomics and floats, as an ESP32-C3 is, with the memory of a Feather M0.
 pub const VIRT: Machine = Machine {
     name: "virt",
     program: "qemu-system-riscv32",
@@ -66,18 +50,15 @@ pub const PICO: Machine = Machine {
     memory: (0x2000_0000, 256 * 1024),
 };
 
-/// A test of its own on each machine for every function named.
-macro_rules! on_each_machine {
+/// A test in QEMU for every function named.
+macro_rules! in_qemu {
     ($($test:ident)*) => {
-        mod lm3s6965evb {
-            $(#[test] fn $test() { super::$test(crate::machines::LM3S6965EVB); })*
-        }
         mod virt {
             $(#[test] fn $test() { super::$test(crate::machines::VIRT); })*
         }
     };
 }
-pub(crate) use on_each_machine;
+pub(crate) use in_qemu;
 
 /// An image's file, the newest of either compiler's.
 pub fn image(machine: &Machine, program: &str) -> PathBuf {

@@ -7,14 +7,14 @@ use palpate_core::units::Duration;
 use palpate_emulators::time::Nanos;
 use palpate_qemu::{Lockstep, Machine};
 
-use super::machines::{met, on_each_machine};
+use super::machines::{in_qemu, met};
 
 /// Length of the bursts.
 const BURST: Duration = Duration::from_millis(38);
 /// A PWM period at the nominal clock and PRE_SCALE 30, ns.
 const PERIOD: u64 = 5_080_000;
 
-on_each_machine! {
+in_qemu! {
     a_session_plays_on_time
     runs_repeat_to_the_nanosecond
     a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading

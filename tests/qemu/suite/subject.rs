@@ -7,11 +7,11 @@ use palpate_emulators::network::Profile;
 use palpate_emulators::time::Nanos;
 use palpate_qemu::{Chips, Host, Lockstep, Machine};
 
-use super::machines::{KEY, lockstep, on_each_machine};
+use super::machines::{KEY, in_qemu, lockstep};
 use super::{held, warmth};
 use held::{Seen, Subject};
 
-on_each_machine! {
+in_qemu! {
     it_plays_what_it_is_told
     hostile_datagrams_drive_nothing
     a_host_that_lies_gets_nothing_over_a_limit

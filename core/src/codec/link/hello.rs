@@ -66,24 +66,11 @@ impl Hello {
             peak: Milliamps(reader.u32()?),
             bus: Duration::from_micros(reader.u32()?.into()),
         };
-        let mut row = || reader.u64();
-        let limits = Limits {
-            pulse_width_ns: row()?,
-            burst: Duration::from_micros(row()?),
-            burst_energy_nj: row()?,
-            wire_1s_uw: row()?,
-            wire_10s_uw: row()?,
-            fingertip_1s_uw: row()?,
-            fingertip_60s_uw: row()?,
-            hand_60s_uw: row()?,
-            skin_mean_mc: row()?,
-            skin_peak_mc: row()?,
-            skin_deep_mc: row()?,
-            dose_omega_ppm: row()?,
-            dose_cem43_ms: row()?,
-            stale: Duration::from_micros(row()?),
-            supply: Milliamps(u32::try_from(row()?).ok()?),
-        };
+        let mut rows = [0; 15];
+        for row in &mut rows {
+            *row = reader.u64()?;
+        }
+        let limits = Limits::from_rows(rows);
         let mut wires = [0; 16];
         for board in &mut wires {
             *board = reader.u16()?;
@@ -93,7 +80,8 @@ impl Hello {
             gain_ppm: reader.u32()?,
             offset: Milliamps(reader.u32()?),
         };
-        (reader.is_done() && flags <= BUSY | HEAT | WARMTH).then_some(Self {
+        let fits = limits.rows() == rows && flags <= BUSY | HEAT | WARMTH;
+        (reader.is_done() && fits).then_some(Self {
             now,
             busy: flags & BUSY != 0,
             heat: flags & HEAT != 0,
@@ -123,25 +111,7 @@ impl Hello {
         writer.u32(plant.wire_milliohm);
         writer.u32(plant.peak.0);
         writer.u32(u32::try_from(plant.bus.as_micros()).unwrap_or(u32::MAX));
-        for row in [
-            limits.pulse_width_ns,
-            limits.burst.as_micros(),
-            limits.burst_energy_nj,
-            limits.wire_1s_uw,
-            limits.wire_10s_uw,
-            limits.fingertip_1s_uw,
-            limits.fingertip_60s_uw,
-            limits.hand_60s_uw,
-            limits.skin_mean_mc,
-            limits.skin_peak_mc,
-            limits.skin_deep_mc,
-            limits.dose_omega_ppm,
-            limits.dose_cem43_ms,
-            limits.stale.as_micros(),
-            limits.supply.0.into(),
-        ] {
-            writer.u64(row);
-        }
+        limits.rows().iter().for_each(|row| writer.u64(*row));
         self.wires.iter().for_each(|board| writer.u16(*board));
         let current = self.current.unwrap_or_default();
         writer.u32(current.full_scale.0);

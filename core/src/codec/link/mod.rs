@@ -8,14 +8,11 @@
 mod bytes;
 mod command;
 mod hello;
-mod layout;
 mod status;
 
+pub use crate::schedule::MOST_PLANNED;
 pub use command::{Command, MOST_CURRENT, Planned, Request, Said, Warmth};
 pub use hello::{BUSY, HEAT, Hello, INTERNAL, WARMTH};
-pub use layout::{
-    COMMAND_FIELDS, Field, HEADER_FIELDS, HELLO_FIELDS, PLANNED_FIELDS, STATUS_FIELDS,
-};
 pub use status::{Face, HELD, State, Status};
 
 use core::fmt;
@@ -32,8 +29,6 @@ pub const HEADER: usize = 28;
 pub const TAG: usize = 16;
 /// Most bytes of a datagram: what an Ethernet frame carries after the headers of IPv6 and UDP, and to spare.
 pub const MOST: usize = 1400;
-/// Most stimuli in a command: eight wires on each of sixteen boards.
-pub const MOST_PLANNED: usize = 128;
 
 /// The bit of a sequence that says that the unit sent it.
 pub const FROM_UNIT: u64 = 1 << 63;
@@ -88,46 +83,33 @@ pub struct Header {
 }
 
 /// Why a datagram counts as none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Refusal {
     /// Shorter than header and tag, or longer than [`MOST`].
+    #[error("expected a datagram of {} to {MOST} bytes", HEADER + TAG)]
     Length,
     /// It does not begin with [`MAGIC`].
+    #[error("expected a datagram of a driver unit, which begins with \"PU\"")]
     Magic,
     /// Another version than [`VERSION`].
+    #[error(
+        "expected version {VERSION} of the link, found {0}: bring host and unit to the same version"
+    )]
     Version(u8),
     /// No kind of datagram, or one that goes the other way.
+    #[error("expected a kind that this end receives, found {0}")]
     Kind(u8),
     /// The tag does not fit: another key, or altered on its way.
+    #[error("the tag does not fit: expected the key that this unit was given")]
     Forged,
     /// Sealed by the right key, but the body is none of its kind.
+    #[error("the body is none of its kind")]
     Body,
     /// Of another session, or not newer than what was heard.
+    #[error("of another session, or not newer than what was heard")]
     Stale,
 }
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length => write!(f, "expected a datagram of {} to {MOST} bytes", HEADER + TAG),
-            Self::Magic => {
-                f.write_str("expected a datagram of a driver unit, which begins with \"PU\"")
-            }
-            Self::Version(found) => write!(
-                f,
-                "expected version {VERSION} of the link, found {found}: bring host and unit to the same version"
-            ),
-            Self::Kind(found) => write!(f, "expected a kind that this end receives, found {found}"),
-            Self::Forged => {
-                f.write_str("the tag does not fit: expected the key that this unit was given")
-            }
-            Self::Body => f.write_str("the body is none of its kind"),
-            Self::Stale => f.write_str("of another session, or not newer than what was heard"),
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}
 
 impl Header {
     /// Reads the clear part. What it says is only true once [`Key::open`] has said so.

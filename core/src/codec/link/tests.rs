@@ -137,6 +137,9 @@ fn reports_mean_what_was_written() {
     assert_eq!(set.write(&mut out), length);
     assert_eq!(Hello::read(&out[..length]), Ok(set));
     assert_eq!(Hello::read(&out[..length - 1]), Err(Refusal::Body));
+    // The fifth of eight bytes of the supply, whose type has four.
+    out[35 + 14 * 8 + 4] = 1;
+    assert_eq!(Hello::read(&out[..length]), Err(Refusal::Body));
     for state in [
         State::Ready,
         State::Stopped(Cause::StaleInput),

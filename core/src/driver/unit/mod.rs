@@ -6,15 +6,13 @@
 
 mod sync;
 
-use core::fmt;
-
-use super::{Actuators, DriverError};
+use super::{Actuators, DriverError, UnitFault};
 use crate::codec::link::{
     Buffer, Command, Header, Hello, Key, Kind, MOST_PLANNED, Planned, Refusal, Request, Said,
     State, Status, Warmth,
 };
-use crate::guard::{Cause, Guarded};
-use crate::units::{Board, Channel, Duration, Instant, Ticks};
+use crate::guard::Guarded;
+use crate::units::{Channel, Duration, Instant, Ticks};
 use sync::{Exchange, Sync};
 
 /// A command goes out this often at the least.
@@ -29,50 +27,6 @@ const LOST: Duration = Duration::from_millis(300);
 const KEPT: Duration = Duration::from_millis(10);
 /// Commands whose sending times are remembered, to be found by an answer.
 const REMEMBERED: usize = 64;
-
-/// What keeps a unit from being driven.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UnitFault {
-    /// No answer yet, or none for 150 ms.
-    Silent,
-    /// Another host has it.
-    Busy,
-    /// Its guard stopped it, and this host may not go on by itself.
-    Stopped(Cause),
-    /// A board that it does not have, or a channel without a wire.
-    NoSuchOutput(Board, Channel),
-    /// More stimuli at once than a command carries.
-    Full,
-    /// Its clock is not known yet.
-    NoTime,
-}
-
-impl core::error::Error for UnitFault {}
-
-impl fmt::Display for UnitFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Silent => f.write_str(
-                "unit: no answer; check its power, the network, its address and the key",
-            ),
-            Self::Busy => f.write_str(
-                "unit: another host drives it; end that one, or wait half a second after its end",
-            ),
-            Self::Stopped(cause) => write!(
-                f,
-                "unit: stopped by its own guard, {}; look at the wearer, then start again",
-                cause.word()
-            ),
-            Self::NoSuchOutput(board, channel) => write!(
-                f,
-                "unit: expected a channel that carries a wire there, found channel {} of board {}; make bench and unit agree",
-                channel.0, board.0
-            ),
-            Self::Full => write!(f, "unit: expected at most {MOST_PLANNED} stimuli at a time"),
-            Self::NoTime => f.write_str("unit: its clock is not known yet"),
-        }
-    }
-}
 
 /// How a host treats its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,11 +134,6 @@ impl UnitDriver {
     /// This host's half of the session.
     pub const fn session(&self) -> u64 {
         self.host
-    }
-
-    /// How far the unit's time may be from what it is taken for.
-    pub fn clock_error(&self) -> Option<Duration> {
-        self.sync.error()
     }
 
     /// Whether the unit can be driven at `now`.

@@ -83,12 +83,6 @@ impl Sync {
     pub(super) fn earliest(&self, host: Instant) -> Option<Instant> {
         Some(instant(micros(host) + self.now()?.least))
     }
-
-    /// Half of what the offset may be wrong by.
-    pub(super) fn error(&self) -> Option<Duration> {
-        let half = self.now()?.width() / 2;
-        Some(Duration::from_micros(half.unsigned_abs()))
-    }
 }
 
 #[cfg(test)]

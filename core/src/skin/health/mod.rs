@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 use super::layout::Layout;
 use super::scan::Scan;
+use crate::statistics::quantile;
 use crate::units::{Duration, Instant};
 
 use taxels::Taxels;
@@ -215,11 +216,7 @@ impl Monitor {
         let active = (0..self.taxels.active.len()).filter(|i| self.taxels.active[*i]);
         rates.extend(active.map(|i| pick(self.rates_hz(i))));
         rates.sort_unstable_by(f32::total_cmp);
-        let n = rates.len();
-        let median = match (rates.get(n.saturating_sub(1) / 2), rates.get(n / 2)) {
-            (Some(a), Some(b)) => 0.5 * (a + b),
-            _ => 0.0,
-        };
+        let median = quantile(&rates, 0.5).map_or(0.0, |middle| middle.between() as f32);
         self.rates = rates;
         median
     }

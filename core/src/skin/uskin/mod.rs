@@ -76,7 +76,14 @@ impl<B: CanBus> CanSkin<B> {
     /// # Errors
     /// The bus's own: a full queue, a controller that is bus-off.
     pub fn start(&mut self, module: usize) -> Result<(), B::Error> {
-        self.command(module, true)
+        let Some(Address { bus, board }) = self.addresses.get(module).copied().flatten() else {
+            return Ok(());
+        };
+        // A layout has no board over 15, so there is always a frame.
+        match (Command { board, start: true }).encode() {
+            Some(frame) => self.bus.transmit(bus, &frame),
+            None => Ok(()),
+        }
     }
 
     /// Tells every board to send, also those behind one that could not be reached.
@@ -84,35 +91,12 @@ impl<B: CanBus> CanSkin<B> {
     /// # Errors
     /// The bus's first.
     pub fn start_all(&mut self) -> Result<(), B::Error> {
-        self.command_all(true)
-    }
-
-    /// Tells every board to be silent, also those behind one that could not be reached.
-    ///
-    /// # Errors
-    /// The bus's first.
-    pub fn stop_all(&mut self) -> Result<(), B::Error> {
-        self.command_all(false)
-    }
-
-    fn command_all(&mut self, start: bool) -> Result<(), B::Error> {
         let mut told = Ok(());
         for module in 0..self.addresses.len() {
-            let this = self.command(module, start);
+            let this = self.start(module);
             told = told.and(this);
         }
         told
-    }
-
-    fn command(&mut self, module: usize, start: bool) -> Result<(), B::Error> {
-        let Some(Address { bus, board }) = self.addresses.get(module).copied().flatten() else {
-            return Ok(());
-        };
-        // A layout has no board over 15, so there is always a frame.
-        match (Command { board, start }).encode() {
-            Some(frame) => self.bus.transmit(bus, &frame),
-            None => Ok(()),
-        }
     }
 
     /// Frames that were no readings of this layout.
@@ -134,7 +118,7 @@ impl<B: CanBus> CanSkin<B> {
 impl Sorting {
     /// Takes one frame off the bus; `None` for what is no reading of this layout.
     #[inline]
-    fn take(&mut self, received: &Received, done: &mut impl FnMut(&ModuleScan<'_>)) -> Option<()> {
+    fn take(&mut self, received: &Received, done: &mut dyn FnMut(&ModuleScan<'_>)) -> Option<()> {
         let (bus, id) = (received.bus, received.frame.id());
         match self.routes.find(bus, id)? {
             Route::Taxel {
@@ -186,7 +170,7 @@ impl<B: CanBus> SkinSource for CanSkin<B> {
     fn scans(
         &mut self,
         now: Instant,
-        take: &mut impl FnMut(&ModuleScan<'_>),
+        take: &mut dyn FnMut(&ModuleScan<'_>),
     ) -> Result<(), B::Error> {
         let Self { bus, sorting, .. } = self;
         bus.receive_all(&mut |received| {

@@ -1,4 +1,4 @@
-//! Where the linker finds flash and memory: as much as the Feather M0 has, so that both images are held to the same.
+//! Where the linker finds flash and memory: as much as an Adafruit Feather M0 has.
 
 use std::env;
 use std::fs;

@@ -63,7 +63,7 @@ pub struct Current {
 /// `rise`. The ramp is told as the one instant that puts the same energy into the wire: two thirds of it on the
 /// way up, where the square of the current is small at first, one third on the way down. A pulse shorter
 /// than a third of the rise gives nothing.
-pub fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
+pub(crate) fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
     let part = if edge.pin == Pin::High { 2 } else { 1 };
     edge.at + Nanos(rise.0 * part / 3)
 }

@@ -54,13 +54,13 @@ impl Dose {
 }
 
 /// Rate of Henriques' integral at `t` degrees C, 1/s.
-pub fn omega_rate(t: f64) -> f64 {
+pub(crate) fn omega_rate(t: f64) -> f64 {
     let exponent = HENRIQUES_EA / (GAS_CONSTANT * (t + ZERO_CELSIUS_K));
     libm::exp(LN_HENRIQUES_A - exponent)
 }
 
 /// Equivalent minutes at 43 C per second at `t` degrees C.
-pub fn cem43_rate(t: f64) -> f64 {
+pub(crate) fn cem43_rate(t: f64) -> f64 {
     let per_minute = if t >= 43.0 {
         libm::exp2(t - 43.0)
     } else if t >= 39.0 {

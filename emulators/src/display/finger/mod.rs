@@ -9,7 +9,7 @@ use palpate_core::physics::{
 };
 
 /// Shells of tissue under a wire.
-pub const SHELLS: usize = 16;
+const SHELLS: usize = 16;
 /// Temperatures of one wire and its tissue: node 0 is the wire.
 pub const NODES: usize = SHELLS + 1;
 
@@ -121,7 +121,7 @@ impl ThermalNetwork {
     }
 
     /// Heat that flows into the wire from air and ends when it is at body temperature, W.
-    pub fn rest_inflow(&self) -> f64 {
+    pub(crate) fn rest_inflow(&self) -> f64 {
         self.air * (self.air_c - self.body_c) + self.ends * (self.ends_c - self.body_c)
     }
 

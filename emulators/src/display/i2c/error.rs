@@ -3,21 +3,28 @@
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
 
 /// A failed transaction, as the Linux I2C subsystem tells it (`Documentation/i2c/fault-codes.rst`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 pub enum Error {
     /// No device acknowledged the address (ENXIO).
+    #[error("no device acknowledged the address (ENXIO)")]
     AddressNack,
     /// A data byte was not acknowledged (EREMOTEIO).
+    #[error("a data byte was not acknowledged (EREMOTEIO)")]
     DataNack,
     /// Another controller won the bus (EAGAIN).
+    #[error("arbitration lost to another controller (EAGAIN)")]
     ArbitrationLost,
     /// A device held SCL low for longer than the adapter waits (ETIMEDOUT).
+    #[error("clock held low for too long (ETIMEDOUT)")]
     Timeout,
     /// SDA or SCL is stuck low (EBUSY).
+    #[error("a bus line is stuck low (EBUSY)")]
     BusBusy,
     /// The adapter failed (EIO).
+    #[error("the adapter failed (EIO)")]
     Io,
     /// The adapter cannot do this kind of transaction (EOPNOTSUPP).
+    #[error("the adapter cannot do this transaction (EOPNOTSUPP)")]
     Unsupported,
 }
 
@@ -49,19 +56,3 @@ impl I2cError for Error {
         }
     }
 }
-
-impl std::fmt::Display for Error {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::AddressNack => "no device acknowledged the address (ENXIO)",
-            Self::DataNack => "a data byte was not acknowledged (EREMOTEIO)",
-            Self::ArbitrationLost => "arbitration lost to another controller (EAGAIN)",
-            Self::Timeout => "clock held low for too long (ETIMEDOUT)",
-            Self::BusBusy => "a bus line is stuck low (EBUSY)",
-            Self::Io => "the adapter failed (EIO)",
-            Self::Unsupported => "the adapter cannot do this transaction (EOPNOTSUPP)",
-        })
-    }
-}
-
-impl std::error::Error for Error {}

@@ -59,8 +59,9 @@ impl HoldClock for super::I2cHandle {
 }
 
 /// The error of a bus behind the fault layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaultError<E> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", embedded_hal::i2c::Error::kind(self))]
+pub enum FaultError<E: embedded_hal::i2c::Error> {
     /// The bus itself failed.
     Bus(E),
     /// The layer struck.
@@ -81,14 +82,6 @@ impl<E: embedded_hal::i2c::Error> embedded_hal::i2c::Error for FaultError<E> {
         }
     }
 }
-
-impl<E: embedded_hal::i2c::Error> std::fmt::Display for FaultError<E> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        embedded_hal::i2c::Error::kind(self).fmt(f)
-    }
-}
-
-impl<E: embedded_hal::i2c::Error> std::error::Error for FaultError<E> {}
 
 /// The layer.
 #[derive(Clone, Debug)]

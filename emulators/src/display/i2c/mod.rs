@@ -146,12 +146,6 @@ impl I2cSegment {
         self.log_capacity = capacity;
     }
 
-    /// Keeps the last `capacity` transactions for [`I2cSegment::take_log`].
-    pub fn with_log(mut self, capacity: usize) -> Self {
-        self.keep_log(capacity);
-        self
-    }
-
     /// When the next transaction starts: never before the last one's end.
     pub const fn now(&self) -> Nanos {
         self.now
@@ -195,7 +189,7 @@ impl I2cSegment {
 
     /// Hands `sink` every change of a converter's output until `to` that was not handed over yet, with the number of its
     /// converter: converter by converter, each in order of time.
-    pub fn take_levels(&mut self, to: Nanos, sink: &mut impl FnMut(usize, Level)) {
+    pub(crate) fn take_levels(&mut self, to: Nanos, sink: &mut impl FnMut(usize, Level)) {
         for (number, converter) in self.converters.iter_mut().enumerate() {
             converter.take_levels(to, &mut |level| sink(number, level));
         }

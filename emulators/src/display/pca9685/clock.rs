@@ -30,10 +30,6 @@ impl Default for Oscillator {
 impl Oscillator {
     /// The data sheet's 25 MHz.
     pub const NOMINAL: Self = Self::from_hz(25_000_000);
-    /// The slowest oscillator seen on a real lot.
-    pub const SLOWEST: Self = Self::from_hz(23_000_000);
-    /// The fastest oscillator seen on a real lot.
-    pub const FASTEST: Self = Self::from_hz(27_400_000);
     /// Bounds that a drift never leaves, millihertz; the upper one is EXTCLK's limit (data sheet table 17).
     const BOUNDS: (u64, u64) = (1_000_000, 50_000_000_000);
 
@@ -63,12 +59,12 @@ impl Oscillator {
     }
 
     /// Whether the frequency changes with time.
-    pub const fn drifts(self) -> bool {
+    pub(super) const fn drifts(self) -> bool {
         self.drift_millihertz_per_s != 0
     }
 
     /// Frequency at `t`, millihertz.
-    pub fn millihertz_at(self, t: Nanos) -> u64 {
+    pub(super) fn millihertz_at(self, t: Nanos) -> u64 {
         let moved = i128::from(self.drift_millihertz_per_s) * i128::from(t.0) / 1_000_000_000;
         let f = i128::from(self.millihertz) + moved;
         let (low, high) = (i128::from(Self::BOUNDS.0), i128::from(Self::BOUNDS.1));

@@ -56,7 +56,7 @@ pub struct PeltierPeaks {
 }
 
 /// Heat pumped out of the face, W.
-pub fn pumped_w(of: &PeltierParameters, face_c: f64, sink_c: f64, amps: f64) -> f64 {
+fn pumped_w(of: &PeltierParameters, face_c: f64, sink_c: f64, amps: f64) -> f64 {
     of.seebeck_v_k * (face_c + ZERO_CELSIUS_K) * amps
         - amps * amps * of.resistance_ohm / 2.0
         - of.conductance_w_k * (sink_c - face_c)

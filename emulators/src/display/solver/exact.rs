@@ -137,7 +137,7 @@ impl Exact {
     }
 
     /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, as [`Self::advance`] would find them.
-    pub fn glance(&self, at: Nanos) -> [f64; 2] {
+    pub(crate) fn glance(&self, at: Nanos) -> [f64; 2] {
         let span = at.since(self.now);
         let body_c = self.network.body_c;
         let found = match span {
@@ -177,7 +177,7 @@ impl Exact {
 
     /// The same with books.
     #[must_use]
-    pub fn ahead_with_books(&self) -> Self {
+    pub(crate) fn ahead_with_books(&self) -> Self {
         Self {
             shallow: self.shallow.clone(),
             deep: self.deep.clone(),
@@ -236,7 +236,7 @@ impl Exact {
     }
 
     /// Displacement of the skin from rest at the time computed up to, m, positive into it; 0 without [`Self::wear`].
-    pub fn displacement_m(&self) -> f64 {
+    pub(crate) fn displacement_m(&self) -> f64 {
         self.motion.at(self.wire_c())
     }
 
@@ -256,7 +256,7 @@ impl Exact {
     }
 
     /// The same but for what would have to be searched: no higher than they are.
-    pub const fn peaks_floor(&self) -> Peaks {
+    pub(crate) const fn peaks_floor(&self) -> Peaks {
         Peaks {
             wire_c: self.hottest.0,
             shallow_c: self.shallow.known_whole(),
@@ -265,7 +265,7 @@ impl Exact {
     }
 
     /// The window's maxima but for what would have to be searched: no higher than they are.
-    pub const fn window_floor(&self) -> Peaks {
+    pub(crate) const fn window_floor(&self) -> Peaks {
         Peaks {
             wire_c: self.hottest.1,
             shallow_c: self.shallow.known(),
@@ -275,7 +275,7 @@ impl Exact {
 
     /// Maxima since the last call of this, or the start; begins a new window at the time computed up to. Tissue that
     /// cannot have passed `floor` is not searched, now or later.
-    pub fn window_peaks(&mut self, floor: &Peaks) -> Peaks {
+    pub(crate) fn window_peaks(&mut self, floor: &Peaks) -> Peaks {
         let peaks = Peaks {
             wire_c: self.hottest.1,
             shallow_c: self.shallow.settle(floor.shallow_c).1,

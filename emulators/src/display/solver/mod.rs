@@ -9,13 +9,13 @@ mod highest;
 mod lanes;
 mod maxima;
 pub mod modal;
-pub mod phase;
+mod phase;
 mod propagators;
 pub mod record;
 mod regimes;
-pub mod strain;
+pub(crate) mod strain;
 pub mod stretch;
-pub mod sum;
+mod sum;
 
 /// What is done to a wire from some instant on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -150,7 +150,7 @@ impl Mode {
     }
 
     /// Temperature of the first shell above the body's.
-    pub fn first_shell(&self, z: &[f64; NODES]) -> f64 {
+    pub(super) fn first_shell(&self, z: &[f64; NODES]) -> f64 {
         dot(Scalar, &self.shape[1], z)
     }
 

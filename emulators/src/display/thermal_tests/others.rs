@@ -9,6 +9,11 @@ use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::vector::Vectors;
 
 const MS: u64 = 1_000_000;
+/// Around a wire stretched in still air, away from any skin.
+const FREE: TissueParameters = TissueParameters {
+    contact_fraction: 0.0,
+    ..TissueParameters::DEFAULT
+};
 
 /// Time until a wire that starts 20 K above its surroundings is 20 / e above them, s.
 fn time_constant(wire: &WireParameters, tissue: &TissueParameters) -> f64 {
@@ -41,8 +46,8 @@ fn time_constants() {
         conductivity: 0.0,
         ..wire
     };
-    let air = time_constant(&no_ends, &TissueParameters::FREE);
-    let ends = time_constant(&wire, &TissueParameters::FREE);
+    let air = time_constant(&no_ends, &FREE);
+    let ends = time_constant(&wire, &FREE);
     println!("air {air:.4} s, with ends {ends:.4} s");
     assert!((air - 0.32).abs() < 0.01 && (ends - 0.17).abs() < 0.01);
     for (contact_h, fraction) in [(1000.0, 0.5), (2000.0, 0.5), (10_000.0, 0.5)] {

@@ -3,7 +3,7 @@
 //! The wire is lazy. Edges and questions advance it; between them nothing is computed, and however
 //! time is cut by questions the answers are the same to 1e-9 K.
 
-pub mod burst;
+mod burst;
 
 use crate::display::finger::dose::Dose;
 use crate::display::solver::WireDrive;
@@ -213,7 +213,7 @@ impl Wire {
 
     /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, without going there: the solver
     /// steps from look to look, so that a look of its own would change the last digits of what comes.
-    pub fn glance(&self, at: Nanos) -> [f64; 2] {
+    pub(crate) fn glance(&self, at: Nanos) -> [f64; 2] {
         self.solver.glance(at)
     }
 
@@ -225,7 +225,7 @@ impl Wire {
 
     /// One that answers for peaks, energy and dose too. Bursts and stretches stay behind.
     #[must_use]
-    pub fn ahead_with_books(&self) -> Self {
+    pub(crate) fn ahead_with_books(&self) -> Self {
         Self::of(self.solver.ahead_with_books())
     }
 
@@ -268,13 +268,13 @@ impl Wire {
 
     /// The same where of several wires only the warmest counts: tissue that cannot have passed `floor` is not searched, now
     /// or later.
-    pub fn peaks_above(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
+    pub(crate) fn peaks_above(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
         self.solver.peaks(floor)
     }
 
     /// What [`Self::window_peaks`] comes to at least, without a search.
-    pub fn window_floor(&mut self, at: Nanos) -> Peaks {
+    pub(crate) fn window_floor(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
         self.solver.window_floor()
     }
@@ -282,7 +282,7 @@ impl Wire {
     /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew. Of several wires
     /// only the warmest counts: tissue that cannot have passed `floor` is not searched, and [`Self::peaks`] may miss what
     /// it was.
-    pub fn window_peaks(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
+    pub(crate) fn window_peaks(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
         self.solver.window_peaks(floor)
     }

@@ -90,12 +90,7 @@ fn covered(frame: &CanFrame) -> (u128, u32) {
     (u128::from(header(frame)) << length | data, 19 + length)
 }
 
-/// CRC-15 over start of frame, arbitration, control and data field.
-pub fn crc(frame: &CanFrame) -> u16 {
-    crc_of(covered(frame).0)
-}
-
-/// The same of these bits. Leading zeros leave a zero register alone, so every frame may be as long as the longest.
+/// CRC-15 of these bits, from start of frame to data field. Leading zeros leave a zero register alone, so every frame may be as long as the longest.
 fn crc_of(covered: u128) -> u16 {
     let bytes = covered.to_le_bytes();
     let bytes = bytes.iter().zip(&CRC_TABLE);

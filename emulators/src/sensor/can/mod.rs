@@ -1,6 +1,6 @@
 //! A classic CAN segment in virtual time: bit-true lengths, arbitration, load, error confinement.
 
-pub mod bits;
+mod bits;
 pub mod faults;
 mod node;
 mod segment;

@@ -70,27 +70,18 @@ impl Default for NodeConfig {
 }
 
 /// Why a frame was not taken for transmission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SendError {
     /// The transmit store is full (`ENOBUFS`): trying again later makes sense.
+    #[error("the transmit store is full; try again later")]
     Full,
     /// The controller is bus-off (`ENETDOWN`): a retry makes sense after a restart.
+    #[error("the controller is bus-off; restart it first")]
     BusOff,
     /// No such node on this segment.
+    #[error("no such node on this segment")]
     NoNode,
 }
-
-impl std::fmt::Display for SendError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Full => "the transmit store is full; try again later",
-            Self::BusOff => "the controller is bus-off; restart it first",
-            Self::NoNode => "no such node on this segment",
-        })
-    }
-}
-
-impl std::error::Error for SendError {}
 
 /// Fault confinement state (ISO 11898-1, 12.1.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

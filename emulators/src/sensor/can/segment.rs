@@ -79,7 +79,6 @@ pub struct CanSegment {
     contend_at: Nanos,
     pub(super) restart_at: Nanos,
     injected: VecDeque<ErrorClass>,
-    pub(super) errors: VecDeque<(Nanos, ErrorClass, NodeId)>,
     pub(super) statistics: Statistics,
 }
 
@@ -100,7 +99,6 @@ impl CanSegment {
             contend_at: Nanos::MAX,
             restart_at: Nanos::MAX,
             injected: VecDeque::new(),
-            errors: VecDeque::new(),
             statistics: Statistics::default(),
         }
     }
@@ -155,7 +153,7 @@ impl CanSegment {
     }
 
     /// When the frame that [`Self::receive`] would return was received.
-    pub fn received_at(&self, NodeId(n): NodeId) -> Option<Nanos> {
+    pub(crate) fn received_at(&self, NodeId(n): NodeId) -> Option<Nanos> {
         Some(self.nodes.get(n)?.receive.front()?.0)
     }
 
@@ -182,11 +180,6 @@ impl CanSegment {
     /// Destroys the next frame on the wire by an error of this class; several queue up.
     pub fn inject(&mut self, error: ErrorClass) {
         self.injected.push_back(error);
-    }
-
-    /// The oldest error not yet taken: its time, class and the sender of the destroyed frame.
-    pub fn take_error(&mut self) -> Option<(Nanos, ErrorClass, NodeId)> {
-        self.errors.pop_front()
     }
 
     /// Throws away what a node wanted to send (its reset, or its power is cut).
@@ -387,7 +380,7 @@ impl CanSegment {
                 if *frame == t.frame {
                     self.nodes[*n].tec = self.nodes[*n].tec.saturating_sub(1);
                 } else {
-                    self.note(ErrorClass::Bit, *n);
+                    self.statistics.errors[ErrorClass::Bit as usize] += 1;
                     self.penalise(*n, frame);
                 }
             }

@@ -66,21 +66,22 @@ fn a_board_sends_scans_in_wire_order_between_start_and_stop() {
 #[test]
 fn a_touch_raises_the_taxel_beneath_it_and_the_stretch_of_steps_does_not_matter() {
     let run = |step_us: u64| {
-        let mut handle = one_board(BoardConfig {
+        let mut skin = module(0);
+        skin.touch(Box::new(|now: Nanos, out: &mut Vec<Press>| {
+            let force_n = if now.as_secs_f64() > 0.1 { 1.0 } else { 0.0 };
+            out.push(Press {
+                at: Point::new(-7.05, 7.05),
+                force_n,
+                diameter_mm: 19.45,
+            });
+        }));
+        let mut bus = SkinBus::new(1_000_000);
+        let autostart = BoardConfig {
             autostart: true,
             ..BoardConfig::default()
-        });
-        handle.with(|buses| {
-            let skin = buses[0].board_mut(0).unwrap().module_mut(0).unwrap();
-            skin.touch(Box::new(|now: Nanos, out: &mut Vec<Press>| {
-                let force_n = if now.as_secs_f64() > 0.1 { 1.0 } else { 0.0 };
-                out.push(Press {
-                    at: Point::new(-7.05, 7.05),
-                    force_n,
-                    diameter_mm: 19.45,
-                });
-            }));
-        });
+        };
+        bus.add_board(autostart, vec![skin]).unwrap();
+        let mut handle = Handle::new(vec![bus]);
         let mut all = Vec::new();
         for t in (0..=200_000).step_by(step_us as usize) {
             handle.advance(Nanos::from_micros(t));

@@ -16,7 +16,7 @@ mod vibration;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use rank::spearman;
-pub use relief::{Relief, Ripple};
+pub use relief::Relief;
 pub use rub::Rub;
 pub use stroke::{Habits, SurfaceStroke, SurfaceStrokes};
 pub use vibration::{ACCELEROMETER_HZ, milli_g};
@@ -40,7 +40,7 @@ pub struct SurfaceTexture {
 
 impl SurfaceTexture {
     /// Stiffness of the surface and the module's silicone in series, N/mm over the module's face.
-    pub fn contact_stiffness(&self) -> f64 {
+    fn contact_stiffness(&self) -> f64 {
         let surface = self.stiffness_n_per_mm.max(0.0);
         SILICONE_N_PER_MM * surface / (SILICONE_N_PER_MM + surface)
     }

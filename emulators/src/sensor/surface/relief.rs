@@ -14,15 +14,15 @@ pub(super) const PATCH_MM: f64 = 4.7;
 
 /// One wave of the relief.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ripple {
+struct Ripple {
     /// Wave numbers along and across the stroke, radians per mm.
-    pub along: f64,
+    along: f64,
     /// See `along`.
-    pub across: f64,
+    across: f64,
     /// Phase at the origin, radians.
-    pub phase: f64,
+    phase: f64,
     /// Height, mm.
-    pub height_mm: f64,
+    height_mm: f64,
 }
 
 /// A piece of surface with its own seed.
@@ -53,11 +53,6 @@ impl Relief {
             ripples: (0..RIPPLES).map(ripple).collect(),
             lag_s,
         }
-    }
-
-    /// Its waves.
-    pub fn ripples(&self) -> &[Ripple] {
-        &self.ripples
     }
 
     /// Height under a patch of the skin around (`along`, `across`), mm, at a sliding speed in mm/s: asperities

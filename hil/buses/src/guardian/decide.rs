@@ -5,8 +5,6 @@
 //! other bus. And a bus counts as off only once it has answered so to an order that was given after the last moment at which
 //! the run could still have driven it.
 
-use std::fmt;
-
 use arrayvec::{ArrayString, ArrayVec};
 use palpate_core::units::{Duration, Instant};
 
@@ -29,22 +27,29 @@ const GRACE: Duration = Duration::from_millis(500);
 pub(super) type Text = ArrayString<640>;
 
 /// Why a guardian acts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(clippy::large_enum_variant, reason = "a box would need memory")]
 pub(super) enum Cause {
     /// The run's end closed without a good-bye.
+    #[error("the run died without a word")]
     Died,
     /// No heartbeat came for this long.
+    #[error("the run hung: no heartbeat for {} ms", .0.as_micros() / 1000)]
     Hung(Duration),
     /// The run asked for it, and says why.
+    #[error("{0}")]
     Asked(Text),
     /// A signal or another program ended the guardian.
+    #[error("switched off by `hil off` or a SIGTERM to the guardian")]
     Ended,
     /// Neither this process nor, likely, the run got to act for so long.
+    #[error("unseen time: this computer let the guardian stand still for {} ms (a debugger, a frozen container, too much load), and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Stood(Duration),
     /// The machine slept for so long.
+    #[error("unseen time: this computer was suspended for {} ms, and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Slept(Duration),
     /// The line that cuts all outputs cannot be set.
+    #[error("the OE line cannot be set")]
     Line,
 }
 
@@ -64,31 +69,6 @@ impl Cause {
     /// Whether the run is to be told, since it lives and may not know.
     const fn is_news(&self) -> bool {
         matches!(self, Self::Stood(_) | Self::Slept(_) | Self::Line)
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ms = |span: &Duration| span.as_micros() / 1000;
-        match self {
-            Self::Died => out.write_str("the run died without a word"),
-            Self::Hung(silence) => {
-                write!(out, "the run hung: no heartbeat for {} ms", ms(silence))
-            }
-            Self::Asked(cause) => out.write_str(cause),
-            Self::Ended => out.write_str("switched off by `hil off` or a SIGTERM to the guardian"),
-            Self::Stood(span) => write!(
-                out,
-                "unseen time: this computer let the guardian stand still for {} ms (a debugger, a frozen container, too much load), and outputs may have been on meanwhile",
-                ms(span)
-            ),
-            Self::Slept(span) => write!(
-                out,
-                "unseen time: this computer was suspended for {} ms, and outputs may have been on meanwhile",
-                ms(span)
-            ),
-            Self::Line => out.write_str("the OE line cannot be set"),
-        }
     }
 }
 

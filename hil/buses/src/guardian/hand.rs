@@ -1,7 +1,6 @@
 //! One adapter of a guardian, on a thread that is there from the start: orders are taken at once, and a transfer that hangs
 //! holds up its own bus alone. Nothing here allocates once the thread runs.
 
-use std::fmt;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -26,32 +25,23 @@ const TOUCHED: usize = 64 * 1024;
 const PRIORITY: u8 = 61;
 
 /// Why something is not known of a bus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Why {
     /// A transfer failed.
+    #[error("address {0:#04x}: {words}", words = .1.words(*.0))]
     Bus(u8, FaultKind),
     /// A board reads back as on.
+    #[error("address {0:#04x}: reads back as on")]
     On(u8),
     /// The driver found something else.
+    #[error(transparent)]
     Driver(DriverError),
     /// The program failed.
+    #[error("switching off has failed within the program")]
     Failed,
     /// No answer has come yet.
+    #[error("the adapter has not answered yet")]
     Waits,
-}
-
-impl fmt::Display for Why {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bus(address, kind) => {
-                write!(out, "address {address:#04x}: {}", kind.words(*address))
-            }
-            Self::On(address) => write!(out, "address {address:#04x}: reads back as on"),
-            Self::Driver(error) => error.fmt(out),
-            Self::Failed => out.write_str("switching off has failed within the program"),
-            Self::Waits => out.write_str("the adapter has not answered yet"),
-        }
-    }
 }
 
 /// What a board was found doing, by its address.

@@ -2,54 +2,43 @@
 
 use palpate_core::codec::dac7578::{ADDRESSES, BROADCAST_ADDRESS, CHANNELS};
 use palpate_core::codec::link::MOST_CURRENT;
-use serde::Deserialize;
 
 use super::{Bench, Output};
 use crate::error::FileError;
+use crate::settings::{bounds, settings};
 use crate::source::Source;
 
-/// A DAC7578 beside each board, which sets the current of that board's outputs 0 to 7; `drive.current_ma` is then the current
-/// at its full scale. Left out: the amplifiers have that current and no other.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct BenchDac {
-    /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' buses and addresses.
-    pub addresses: Vec<u8>,
-    /// Pulses are no shorter than this, microseconds: a weaker level has less current instead.
-    pub shortest_us: f64,
-    /// How far a current may be from what was set, a part of that.
-    pub gain_tolerance: f64,
-    /// And how far beside that, mA.
-    pub offset_tolerance_ma: f64,
-    /// What an emulated amplifier gives over what was set, within the tolerance.
-    pub gain: f64,
-    /// What it gives beside that, mA, within the tolerance.
-    pub offset_ma: f64,
-}
-
-impl Default for BenchDac {
-    /// One converter, and amplifiers of one per cent: resistors and reference of half a per cent each.
-    fn default() -> Self {
-        Self {
-            addresses: vec![*ADDRESSES.start()],
-            shortest_us: 50.0,
-            gain_tolerance: 0.01,
-            offset_tolerance_ma: 5.0,
-            gain: 1.0,
-            offset_ma: 0.0,
-        }
+settings! {
+    /// A DAC7578 beside each board, which sets the current of that board's outputs 0 to 7; `drive.current_ma` is then the current
+    /// at its full scale. Left out: the amplifiers have that current and no other.
+    pub struct BenchDac {
+        /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' buses and addresses.
+        pub addresses: Vec<u8> = vec![*ADDRESSES.start()],
+        /// Pulses are no shorter than this, microseconds: a weaker level has less current instead.
+        pub shortest_us: f64 = 50.0,
+        /// How far a current may be from what was set, a part of that.
+        pub gain_tolerance: f64 = 0.01,
+        /// And how far beside that, mA.
+        pub offset_tolerance_ma: f64 = 5.0,
+        /// What an emulated amplifier gives over what was set, within the tolerance.
+        pub gain: f64 = 1.0,
+        /// What it gives beside that, mA, within the tolerance.
+        pub offset_ma: f64 = 0.0,
     }
+
+    /// One converter, and amplifiers of one per cent: resistors and reference of half a per cent each.
+    default
 }
 
 impl BenchDac {
     fn check(&self, source: &Source) -> Result<(), FileError> {
         let (gain, offset) = (self.gain_tolerance, self.offset_tolerance_ma);
-        source.range("dac.shortest_us", self.shortest_us, 0.0..=200.0, "us")?;
-        source.range("dac.gain_tolerance", gain, 0.0..=0.2, "")?;
-        source.range("dac.offset_tolerance_ma", offset, 0.0..=100.0, "mA")?;
-        source.range("dac.gain", self.gain, 1.0 - gain..=1.0 + gain, "")?;
-        source.range("dac.offset_ma", self.offset_ma, -offset..=offset, "mA")
+        bounds!(source, "dac", self;
+            shortest_us: 0.0..=200.0, "us";
+            gain_tolerance: 0.0..=0.2;
+            offset_tolerance_ma: 0.0..=100.0, "mA";
+            gain: 1.0 - gain..=1.0 + gain;
+            offset_ma: -offset..=offset, "mA")
     }
 
     /// The most that flows where this was set, mA.

@@ -42,7 +42,7 @@ impl Bench {
             let expected = "nothing: every one of [[displays]] has its own";
             return Err(source.bad_found("outputs", expected, "outputs of the bench"));
         }
-        source.range("displays", self.displays.len(), 1..=MOST, "displays")?;
+        source.range("displays", &self.displays.len(), 1..=MOST, "displays")?;
         let stated = self.displays.iter().any(|d| !d.outputs.is_empty());
         let mut displays = std::mem::take(&mut self.displays);
         for (index, display) in displays.iter_mut().enumerate() {
@@ -96,9 +96,9 @@ impl Bench {
             }
             for (wire, output) in display.outputs.iter().enumerate() {
                 let at = |name: &str| format!("{key}.outputs[{wire}].{name}");
-                source.range(&at("bus"), output.bus, 0..=buses - 1, "")?;
+                source.range(&at("bus"), &output.bus, 0..=buses - 1, "")?;
                 check_chip(source, &at("board"), output.board)?;
-                source.range(&at("channel"), output.channel, 0..=15, "")?;
+                source.range(&at("channel"), &output.channel, 0..=15, "")?;
                 if output.bus != display.outputs[0].bus {
                     let bus = display.outputs[0].bus;
                     let expected = format!("{bus}: the wires of one display are on one bus");

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::error::FileError;
+use crate::settings::{bounds, settings};
 use crate::source::Source;
 
 /// A network between host and unit.
@@ -18,43 +19,31 @@ pub enum Network {
     Rough,
 }
 
-/// A driver unit: an emulated one behind an emulated network, or with an `address` one that is there.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct BenchUnit {
-    /// Where a unit listens: ADDRESS or ADDRESS:PORT; left out: it is emulated.
-    pub address: Option<String>,
-    /// The file of the key that is shared with it. A unit with an address has one.
-    pub key: Option<String>,
-    /// The network to an emulated unit.
-    pub network: Network,
-    /// From an onset to its effect, milliseconds: more than the network's usual way.
-    pub delay_ms: u32,
-    /// How fast an emulated unit's crystal is, parts per million; negative is slow.
-    pub drift_ppm: i32,
-    /// Whether an emulated unit's processor bears the guard's thermal rows; the host has them in any case.
-    pub heat: bool,
-}
-
-impl Default for BenchUnit {
-    fn default() -> Self {
-        Self {
-            address: None,
-            key: None,
-            network: Network::Wifi,
-            delay_ms: 20,
-            drift_ppm: 100,
-            heat: false,
-        }
+settings! {
+    /// A driver unit: an emulated one behind an emulated network, or with an `address` one that is there.
+    #[derive(Eq)]
+    pub struct BenchUnit {
+        /// Where a unit listens: ADDRESS or ADDRESS:PORT; left out: it is emulated.
+        pub address: Option<String>,
+        /// The file of the key that is shared with it. A unit with an address has one.
+        pub key: Option<String>,
+        /// The network to an emulated unit.
+        pub network: Network = Network::Wifi,
+        /// From an onset to its effect, milliseconds: more than the network's usual way.
+        pub delay_ms: u32 = 20,
+        /// How fast an emulated unit's crystal is, parts per million; negative is slow.
+        pub drift_ppm: i32 = 100,
+        /// Whether an emulated unit's processor bears the guard's thermal rows; the host has them in any case.
+        pub heat: bool = false,
     }
 }
 
 impl BenchUnit {
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
-        // Later than this, the 100 ms of the reading would be over before the stimulus is.
-        source.range("unit.delay_ms", self.delay_ms, 0..=40, "ms")?;
-        source.range("unit.drift_ppm", self.drift_ppm, -1000..=1000, "ppm")?;
+        bounds!(source, "unit", self;
+            // Later than this, the 100 ms of the reading would be over before the stimulus is.
+            delay_ms: 0..=40, "ms";
+            drift_ppm: -1000..=1000, "ppm")?;
         match (&self.address, &self.key) {
             (Some(_), None) => Err(source.bad(
                 "unit.key",

@@ -10,7 +10,7 @@ pub use people::{
 };
 pub use tasks::{
     ChoiceTask, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, RatingScale, RatingTask,
-    ThresholdMethod, ThresholdTask,
+    TaskKind, ThresholdMethod, ThresholdTask,
 };
 
 use serde::Deserialize;
@@ -18,6 +18,7 @@ use serde::Deserialize;
 use super::error::FileError;
 use super::near::did_you_mean;
 use super::overrides::Overrides;
+use super::settings::bounds;
 use super::source::Source;
 use super::words::choice;
 use tasks::check_text;
@@ -235,32 +236,48 @@ impl Protocol {
     /// Trials of a participant that count, and practice.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        let times = |things: usize, each: u32| Some(things as u64 * u64::from(each));
-        let tasks = [
-            self.absolute_threshold
-                .as_ref()
-                .and_then(|t| times(t.wires.len(), t.trials)),
-            self.difference
-                .as_ref()
-                .and_then(|t| times(t.wires.len(), t.trials)),
-            self.matching
-                .as_ref()
-                .and_then(|t| times(t.wires.len(), t.trials)),
-            self.localisation
-                .as_ref()
-                .and_then(|t| times(t.wires.len(), t.repeats)),
-            self.drawing
-                .as_ref()
-                .and_then(|t| times(t.conditions.len(), t.repeats)),
-            self.rating
-                .as_ref()
-                .and_then(|t| times(t.conditions.len(), t.repeats)),
-            self.choice
-                .as_ref()
-                .and_then(|t| times(t.pairs.len(), t.repeats)),
-        ];
-        let given = tasks.into_iter().flatten();
-        given.map(|trials| trials + u64::from(self.practice)).sum()
+        let tasks = self.tasks().into_iter();
+        let trials = tasks.map(|(_, things, each)| things as u64 * u64::from(each));
+        trials.map(|trials| trials + u64::from(self.practice)).sum()
+    }
+
+    /// Its tasks in their order: of each the number of its wires, conditions or pairs, and how often each of them comes.
+    #[must_use]
+    pub fn tasks(&self) -> Vec<(TaskKind, usize, u32)> {
+        use TaskKind as K;
+        let absolute = self.absolute_threshold.iter();
+        let absolute = absolute.map(|t| (K::AbsoluteThreshold, t.wires.len(), t.trials));
+        let difference = self.difference.iter();
+        let difference = difference.map(|t| (K::Difference, t.wires.len(), t.trials));
+        let matching = self.matching.iter();
+        let matching = matching.map(|t| (K::Matching, t.wires.len(), t.trials));
+        let places = self.localisation.iter();
+        let places = places.map(|t| (K::Localisation, t.wires.len(), t.repeats));
+        let drawing = self.drawing.iter();
+        let drawing = drawing.map(|t| (K::Drawing, t.conditions.len(), t.repeats));
+        let rating = self.rating.iter();
+        let rating = rating.map(|t| (K::Rating, t.conditions.len(), t.repeats));
+        let choice = self.choice.iter();
+        let choice = choice.map(|t| (K::Choice, t.pairs.len(), t.repeats));
+        let by_wires = absolute.chain(difference).chain(matching).chain(places);
+        by_wires
+            .chain(drawing)
+            .chain(rating)
+            .chain(choice)
+            .collect()
+    }
+
+    /// The wires of a task in the file's order; none of a task that names conditions, or that is not there.
+    #[must_use]
+    pub fn wires(&self, task: TaskKind) -> &[u16] {
+        let wires = match task {
+            TaskKind::AbsoluteThreshold => self.absolute_threshold.as_ref().map(|t| &t.wires),
+            TaskKind::Difference => self.difference.as_ref().map(|t| &t.wires),
+            TaskKind::Matching => self.matching.as_ref().map(|t| &t.wires),
+            TaskKind::Localisation => self.localisation.as_ref().map(|t| &t.wires),
+            TaskKind::Drawing | TaskKind::Rating | TaskKind::Choice => None,
+        };
+        wires.map_or(&[], |wires| wires)
     }
 
     fn check_session(&self, source: &Source) -> Result<(), FileError> {
@@ -272,13 +289,12 @@ impl Protocol {
                 check_text(source, key, text)?;
             }
         }
-        source.range("practice", self.practice, 0..=100, "")?;
-        if let Some(trials) = self.break_after {
-            source.range("break_after", trials, 1..=10_000, "")?;
-        }
-        source.range("break_s", self.break_s, 0.0..=3600.0, "s")?;
-        source.range("pause_s", self.pause_s, 0.1..=600.0, "s")?;
-        source.range("stimulus_s", self.stimulus_s, 0.1..=10.0, "s")?;
+        bounds!(source, "", self;
+            practice: 0..=100;
+            break_after: 1..=10_000;
+            break_s: 0.0..=3600.0, "s";
+            pause_s: 0.1..=600.0, "s";
+            stimulus_s: 0.1..=10.0, "s")?;
         let mut names: Vec<&str> = Vec::new();
         for (index, question) in self.questions.iter().enumerate() {
             let at = format!("questions[{index}]");

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::super::error::FileError;
+use super::super::settings::bounds;
 use super::super::source::Source;
 
 /// A value that differs from one participant to the next.
@@ -114,22 +115,23 @@ impl Normal {
         key: &str,
         range: (f64, f64),
     ) -> Result<(), FileError> {
-        source.range(&format!("{key}.mean"), self.mean, range.0..=range.1, "")?;
-        source.range(&format!("{key}.sd"), self.sd, 0.0..=range.1 - range.0, "")
+        bounds!(source, key, self;
+            mean: range.0..=range.1;
+            sd: 0.0..=range.1 - range.0)
     }
 }
 
 /// Slopes and slips, as every task with two intervals has them.
 fn answers(source: &Source, at: &str, slope: Normal, lapse: f64) -> Result<(), FileError> {
     slope.check(source, &format!("{at}.slope"), (0.5, 20.0))?;
-    source.range(&format!("{at}.lapse"), lapse, 0.0..=0.2, "")
+    source.range(&format!("{at}.lapse"), &lapse, 0.0..=0.2, "")
 }
 
 impl SimulatedThresholds {
     pub(super) fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
-        let (threshold, sd) = (self.threshold_db, self.wire_sd_db);
+        let threshold = self.threshold_db;
         threshold.check(source, &format!("{at}.threshold_db"), (-40.0, 0.0))?;
-        source.range(&format!("{at}.wire_sd_db"), sd, 0.0..=40.0, "dB")?;
+        bounds!(source, at, self; wire_sd_db: 0.0..=40.0, "dB")?;
         answers(source, at, self.slope, self.lapse)
     }
 }
@@ -154,8 +156,9 @@ impl SimulatedPlaces {
     pub(super) fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
         let bias = self.bias_mm;
         bias.check(source, &format!("{at}.bias_mm"), (-50.0, 50.0))?;
-        source.range(&format!("{at}.noise_mm"), self.noise_mm, 0.0..=50.0, "mm")?;
-        source.range(&format!("{at}.slips"), self.slips, 0.0..=1.0, "")
+        bounds!(source, at, self;
+            noise_mm: 0.0..=50.0, "mm";
+            slips: 0.0..=1.0)
     }
 }
 
@@ -164,8 +167,9 @@ impl SimulatedDrawings {
         let (bias, scale) = (self.bias_mm, self.scale);
         bias.check(source, &format!("{at}.bias_mm"), (-50.0, 50.0))?;
         scale.check(source, &format!("{at}.scale"), (0.1, 10.0))?;
-        source.range(&format!("{at}.noise_mm"), self.noise_mm, 0.0..=50.0, "mm")?;
-        source.range(&format!("{at}.breaks_hz"), self.breaks_hz, 0.0..=10.0, "")
+        bounds!(source, at, self;
+            noise_mm: 0.0..=50.0, "mm";
+            breaks_hz: 0.0..=10.0)
     }
 }
 
@@ -173,8 +177,9 @@ impl SimulatedRatings {
     pub(super) fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
         let rating = self.rating;
         rating.check(source, &format!("{at}.rating"), (1.0, 6.0))?;
-        source.range(&format!("{at}.noise"), self.noise, 0.0..=5.0, "")?;
-        source.range(&format!("{at}.difference"), self.difference, 0.0..=5.0, "")
+        bounds!(source, at, self;
+            noise: 0.0..=5.0;
+            difference: 0.0..=5.0)
     }
 }
 

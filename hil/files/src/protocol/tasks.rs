@@ -1,8 +1,9 @@
 //! The tasks that a participant can be given.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::error::FileError;
+use super::super::settings::bounds;
 use super::super::source::Source;
 use super::super::words::choice;
 use super::people::{
@@ -23,6 +24,42 @@ choice! { /** Who meets which condition of a comparison. */ Groups {
     /// Of each compared pair odd participants meet the first condition, even ones the second.
     Between = "between",
 } }
+
+/// A task, by its name in files and data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TaskKind {
+    /// The least that is felt.
+    AbsoluteThreshold,
+    /// The least difference that is felt.
+    Difference,
+    /// Wires that feel alike.
+    Matching,
+    /// Where it was felt.
+    Localisation,
+    /// The path that was felt.
+    Drawing,
+    /// Ratings from 1 to 6.
+    Rating,
+    /// Which of two.
+    Choice,
+}
+
+impl TaskKind {
+    /// Its name in files and data.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::AbsoluteThreshold => "absolute_threshold",
+            Self::Difference => "difference",
+            Self::Matching => "matching",
+            Self::Localisation => "localisation",
+            Self::Drawing => "drawing",
+            Self::Rating => "rating",
+            Self::Choice => "choice",
+        }
+    }
+}
 
 /// Which of two intervals had the stimulus? The least that is felt, for each wire.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -155,7 +192,7 @@ fn check_wires(source: &Source, task: &str, wires: &[u16]) -> Result<(), FileErr
     }
     for (index, wire) in wires.iter().enumerate() {
         let key = format!("{task}.wires[{index}]");
-        source.range(&key, *wire, 0..=255, "")?;
+        source.range(&key, wire, 0..=255, "")?;
         if wires[..index].contains(wire) {
             return Err(source.bad(&key, "each wire once"));
         }
@@ -165,12 +202,12 @@ fn check_wires(source: &Source, task: &str, wires: &[u16]) -> Result<(), FileErr
 
 fn check_level(source: &Source, task: &str, level_db: f64) -> Result<(), FileError> {
     let key = format!("{task}.level_db");
-    source.range(&key, level_db, -40.0..=0.0, "dB of full drive")
+    source.range(&key, &level_db, -40.0..=0.0, "dB of full drive")
 }
 
 /// Trials of one thing; more is a slip of the keyboard.
 fn check_count(source: &Source, key: &str, count: u32) -> Result<(), FileError> {
-    source.range(key, count, 1..=1000, "")
+    source.range(key, &count, 1..=1000, "")
 }
 
 /// A sentence that is there.
@@ -208,7 +245,7 @@ impl MatchTask {
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
         let task = "matching";
         check_wires(source, task, &self.wires)?;
-        source.range(&format!("{task}.reference"), self.reference, 0..=255, "")?;
+        bounds!(source, task, self; reference: 0..=255)?;
         if let Some(index) = self.wires.iter().position(|wire| *wire == self.reference) {
             let key = format!("{task}.wires[{index}]");
             return Err(source.bad(&key, "another wire than the reference"));

@@ -13,7 +13,6 @@ use crate::joint::Gate;
 use crate::layout::{DisplayLayout, SensorLayout};
 use crate::loaded::Loaded;
 use crate::person::{PersonFile, Wearer};
-use crate::resolve::FileKind;
 use crate::scene::Scene;
 
 /// A display of the bench with the modules that drive it.
@@ -55,7 +54,7 @@ pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), 
         }
         for (position, &module) in finger.modules.iter().enumerate() {
             let here = at(&format!("modules[{position}]"));
-            source.range(&here, module, 0..=sensor.modules.len() - 1, "")?;
+            source.range(&here, &module, 0..=sensor.modules.len() - 1, "")?;
             if let Some(owner) = owners[module].replace(&finger.display) {
                 let expected = format!("a module of one finger: it drives `{owner}` already");
                 return Err(source.bad(&here, expected));
@@ -226,10 +225,10 @@ fn worn_by(
     let (mut person, mut wearer) = people.clone();
     let at = |key: &str| format!("displays[{number}].{key}");
     if let Some(name) = &display.person {
-        person = bench.refer(FileKind::Person, PersonFile::read, name, &at("person"))?;
+        person = bench.refer(name, &at("person"))?;
     }
     if let Some(name) = &display.wearer {
-        wearer = Some(bench.refer(FileKind::Wearer, Wearer::read, name, &at("wearer"))?);
+        wearer = Some(bench.refer(name, &at("wearer"))?);
     }
     Ok((person, wearer))
 }

@@ -16,7 +16,7 @@ fn every_shipped_file_reads_and_is_named_after_its_file() {
         assert_eq!(load_activation(name).unwrap().value.name, name);
     }
     for name in FileKind::Limits.names() {
-        assert_eq!(load_limits(name).unwrap().value.name, name);
+        assert_eq!(Loaded::<LimitTable>::named(name).unwrap().value.name, name);
     }
     for name in FileKind::Layout.names() {
         let layout = match load_layout(name).unwrap().value {
@@ -41,7 +41,10 @@ fn every_scene_fits_every_bench_of_one_display() {
 
 #[test]
 fn the_default_limit_table_is_the_hard_one() {
-    assert_eq!(load_limits("default").unwrap().value.limits, HARD);
+    assert_eq!(
+        Loaded::<LimitTable>::named("default").unwrap().value.limits,
+        HARD
+    );
     let bare = Source::new("bare.toml", "name = \"bare\"\ndescription = \"d\"\n");
     assert_eq!(LimitTable::read(&bare).unwrap().limits, HARD);
 }

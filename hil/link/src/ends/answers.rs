@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use palpate_buses::pacer::RunClock;
+use palpate_records::mcap::{decode, encoded};
 use palpate_run::Failure;
 use zenoh::Wait as _;
 use zenoh::liveliness::LivelinessToken;
@@ -12,9 +13,9 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::{Query, Queryable};
 use zenoh::sample::Sample;
 
-use crate::message::{self, About, Echo, MOST_BYTES, VERSION, Wearer};
+use crate::message::{self, About, Echo, VERSION, Wearer};
 use crate::name::{FingerName, Name};
-use crate::net::Net;
+use crate::net::{self, Net, NetError, zenoh};
 
 /// Wearers of a finger that are known at a time.
 const MOST_WEARERS: usize = 64;
@@ -122,10 +123,6 @@ pub(super) struct Answers {
     _token: LivelinessToken,
 }
 
-pub(super) fn zenoh(error: zenoh::Error) -> Failure {
-    Failure::Device(format!("zenoh: {error}"))
-}
-
 impl Answers {
     pub(super) fn begin(
         net: &Net,
@@ -154,14 +151,14 @@ fn hear(
     finger: &FingerName,
     (clock, session): (RunClock, u64),
     wearers: Arc<Mutex<Wearers>>,
-) -> Result<Subscriber<()>, Failure> {
+) -> Result<Subscriber<()>, NetError> {
     let (of, own) = (net.session.clone(), finger.clone());
     let heard = move |sample: Sample| {
         let heard_us = clock.now().as_micros();
         let Some((name, said)) = said(&sample) else {
             return;
         };
-        let echo = Echo {
+        let mut echo = Echo {
             version: VERSION,
             session,
             wearer: said.session,
@@ -170,8 +167,8 @@ fn hear(
         };
         // An echo that is lost is followed by the next.
         let _ = of
-            .put(own.echo(&name), echo.write().bytes())
-            .encoding(message::encoding(message::ECHO.name))
+            .put(own.echo(&name), encoded(&mut echo).bytes())
+            .encoding(message::encoding::<Echo>())
             .congestion_control(CongestionControl::Drop)
             .priority(Priority::RealTime)
             .express(true)
@@ -179,8 +176,7 @@ fn hear(
         let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
         wearers.hear(name.as_str(), &said, session, heard_us);
     };
-    let subscriber = net.session.declare_subscriber(finger.wearer("*"));
-    subscriber.callback(heard).wait().map_err(zenoh)
+    net::subscribe(&net.session, finger.wearer("*"), heard)
 }
 
 /// Says what is published to whoever wants to know.
@@ -189,7 +185,7 @@ fn tell(
     finger: &FingerName,
     about: Arc<Mutex<About>>,
     wearers: Arc<Mutex<Wearers>>,
-) -> Result<Queryable<()>, Failure> {
+) -> Result<Queryable<()>, NetError> {
     let key = finger.about();
     let tell = move |query: Query| {
         if query
@@ -199,7 +195,9 @@ fn tell(
             let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
             wearers.second();
         }
-        let bytes = about.lock().unwrap_or_else(PoisonError::into_inner).write();
+        let mut about = about.lock().unwrap_or_else(PoisonError::into_inner);
+        let bytes = encoded(&mut *about);
+        drop(about);
         // Who does not get an answer asks again.
         let _ = query.reply(key.clone(), bytes.bytes()).wait();
     };
@@ -209,15 +207,7 @@ fn tell(
 
 /// Who says what; `None` for what is no such message.
 fn said(sample: &Sample) -> Option<(Name, Wearer)> {
-    if sample.payload().len() > MOST_BYTES {
-        return None;
-    }
-    let name = sample
-        .key_expr()
-        .as_str()
-        .rsplit('/')
-        .next()?
-        .parse()
-        .ok()?;
-    Some((name, Wearer::read(&sample.payload().to_bytes())?))
+    let bytes = net::bytes(sample)?;
+    let name = sample.key_expr().as_str().rsplit('/').next()?;
+    Some((name.parse().ok()?, decode(&bytes)?))
 }

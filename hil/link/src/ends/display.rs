@@ -7,9 +7,9 @@ use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Projector;
 use palpate_files::Setup;
-use palpate_hil::link::UnitPlace;
-use palpate_hil::output::note;
-use palpate_hil::real::{self, Watched};
+use palpate_live::link::UnitPlace;
+use palpate_live::output::note;
+use palpate_live::real::{self, Watched};
 use palpate_run::display_end::EmulatedDisplay;
 use palpate_run::{Failure, Policy, build};
 
@@ -20,7 +20,6 @@ use super::shrunk::{Rest, levels};
 use crate::cli::DisplayArgs;
 use crate::name::Name;
 use crate::net::{self, Mode};
-use crate::records::failed;
 
 /// What waits for the loop at most: more than a turn of any skin.
 const MOST_WAITING: usize = 512;
@@ -74,7 +73,7 @@ fn feel<D: Watched + Send>(
     outputs: impl FnOnce(&Setup, &Projector, RunClock) -> Result<(D, Policy), Failure>,
 ) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
     // A certificate's name is the one that the access list knows.
     let wearer = net
         .name

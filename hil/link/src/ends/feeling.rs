@@ -10,8 +10,10 @@ use palpate_core::projector::Projector;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
-use palpate_hil::real::{Watched, begin, leave, priority};
-use palpate_hil::record::Journal;
+use palpate_live::output::print_json;
+use palpate_live::real::{Watched, begin, leave, priority};
+use palpate_live::record::Journal;
+use palpate_records::mcap::{decode, encoded};
 use palpate_records::trace::Event;
 use palpate_run::{Failure, HeldSession, Policy, Truth, Turn, header};
 
@@ -19,7 +21,7 @@ use super::heard::{Arrived, Heard, Waiting};
 use super::report::Report;
 use super::shrunk::Shrunk;
 use crate::budget::Stopwatch;
-use crate::cli::DisplayArgs;
+use crate::cli::{DisplayArgs, after};
 use crate::judge::{Bucket, Gate, Patience, Refusal};
 use crate::message::{Body, Echo, Frame, VERSION, Wearer};
 use crate::name::Name;
@@ -136,16 +138,15 @@ impl<'a, D: Watched> Feeling<'a, D> {
             let _ = self.session.display().part(Ok(()), true);
         })?;
         let mut next = begin(&mut self.session, clock)?;
-        let end = self
-            .args
-            .seconds
-            .map(|s| Instant::from_micros((s * 1e6) as u64));
+        let end = self.args.seconds.map(after);
         let (mut stopped, mut watch) = (None, Watch::new());
         loop {
             let now = clock.now();
-            if let Some(unseen) = watch.look(now) {
-                let cause = unseen.to_string();
-                self.session.unseen(now, unseen.uncounted(), &cause);
+            if let Some(unseen) = watch.look(now)
+                && !self
+                    .session
+                    .unseen(now, unseen.uncounted(), &unseen.to_string())
+            {
                 break;
             }
             if let Err(failure) = self.session.display().beat(now) {
@@ -212,10 +213,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             report.write(self.felt.latency(), self.session.recorder().driven, end)?;
         }
         if self.args.json {
-            palpate_hil::output::print(|out| {
-                serde_json::to_writer(&mut *out, &self.felt)?;
-                writeln!(out)
-            })?;
+            print_json(&self.felt)?;
         }
         ended.and(written)
     }
@@ -254,7 +252,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         if now >= self.next_stated {
             self.state_offset(now);
         }
-        heard.voice.say(self.said.write().bytes().to_vec());
+        heard.voice.say(encoded(&mut self.said).bytes().to_vec());
         if std::mem::take(&mut self.asks_now) {
             heard.voice.ask();
         }
@@ -304,7 +302,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
     }
 
     fn echo(&mut self, bytes: &[u8], at: Instant) {
-        let Some(echo) = Echo::read(bytes) else {
+        let Some(echo) = decode::<Echo>(bytes) else {
             return;
         };
         if echo.version == VERSION && echo.wearer == self.said.session {

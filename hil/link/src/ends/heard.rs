@@ -6,17 +6,15 @@ use palpate_buses::pacer::RunClock;
 use palpate_core::units::Instant;
 use palpate_run::Failure;
 use zenoh::pubsub::Subscriber;
-use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
 use super::inbox::Inbox;
 use super::shrunk::{Rest, Shrunk};
 use super::voice::Voice;
 use crate::cli::DisplayArgs;
-use crate::message::{self, MOST_BYTES};
+use crate::message::{self, Wearer};
 use crate::name::{FingerName, Name};
-use crate::net::{self, Net};
-use crate::records::failed;
+use crate::net::{self, Net, zenoh};
 
 /// What arrives.
 pub(super) enum Arrived {
@@ -49,21 +47,15 @@ impl Heard {
         (clock, rest): (RunClock, Rest),
         waiting: &Waiting,
     ) -> Result<Self, Failure> {
-        let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
         let finger = &args.finger;
         let subscribe = |session: &Session, key: String, of: fn(Vec<u8>) -> Arrived| {
             let waiting = Arc::clone(waiting);
-            let take = move |sample: Sample| {
-                let at = clock.now();
+            net::subscribe(session, key, move |sample| {
                 // Before it is looked at, and before it is copied.
-                let arrived = match sample.payload().len() {
-                    0..=MOST_BYTES => of(sample.payload().to_bytes().into_owned()),
-                    _ => Arrived::Oversized,
-                };
-                waiting.push((at, arrived));
-            };
-            let subscriber = session.declare_subscriber(key);
-            subscriber.callback(take).wait().map_err(zenoh)
+                let at = clock.now();
+                let arrived = net::bytes(&sample).map(|bytes| of(bytes.into_owned()));
+                waiting.push((at, arrived.unwrap_or(Arrived::Oversized)));
+            })
         };
         let (contacts, scans) = (finger.contacts(), finger.scans());
         let own = &net.session;
@@ -90,7 +82,7 @@ impl Heard {
             .session
             .liveliness()
             .declare_token(finger.wearer_alive(wearer));
-        let name = message::encoding(message::WEARER.name);
+        let name = message::encoding::<Wearer>();
         let publisher = net::frames(&net.session, finger.wearer(wearer.as_str()), &name);
         let answered = {
             let waiting = Arc::clone(waiting);
@@ -103,20 +95,13 @@ impl Heard {
             }
         };
         let session = net.session.clone();
-        let voice = Voice::begin(
-            session,
-            publisher.map_err(failed)?,
-            finger.about(),
-            answered,
-        )?;
+        let voice = Voice::begin(session, publisher?, finger.about(), answered)?;
         Ok(Self {
             voice,
             _again: again,
             _frames: frames,
             _token: token.wait().map_err(zenoh)?,
-            _may: net
-                .answer_who_may_publish(wearer.as_str())
-                .map_err(failed)?,
+            _may: net.answer_who_may_publish(wearer.as_str())?,
         })
     }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::units::Instant;
 use palpate_files::Format;
-use palpate_hil::host::made;
-use palpate_hil::output::{Outputs, note};
+use palpate_live::host::made;
+use palpate_live::output::{Outputs, note};
 use palpate_records::report::{ReportExtras, report_html};
 use palpate_records::trace::{Driven, Event, Header, Ledger, Trace, sort_by_time};
 use palpate_run::Failure;
@@ -33,7 +33,7 @@ impl Report {
                 path.display()
             )));
         }
-        let outputs = Outputs { force, inputs: &[] };
+        let outputs = Outputs::of(force);
         outputs.check(path, Format::Html)?;
         Ok(Self {
             path: path.to_owned(),

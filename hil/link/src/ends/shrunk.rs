@@ -7,6 +7,7 @@ use palpate_core::projector::{FrameReport, Observer, Projector};
 use palpate_core::skin::{Condition, ModuleScan, ScanError};
 use palpate_core::units::Instant;
 use palpate_files::Setup;
+use palpate_records::mcap::decode;
 use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels, scene_levels};
 
 use crate::message::{About, Body, Frame, VERSION};
@@ -103,7 +104,7 @@ pub(super) struct Rest {
 impl Rest {
     /// Compression with the reference that these bytes tell of, and whose it is; none where they tell of none.
     pub(super) fn compress(&self, bytes: &[u8]) -> Option<(u64, Shrunk)> {
-        let about = About::read(bytes)?;
+        let about: About = decode(bytes)?;
         let wanted = self.setup.scene.value.reference_frames + 1;
         let modules = self.setup.sensor.value.modules.len();
         if about.version != VERSION || about.rest.len() < wanted as usize * modules {

@@ -9,10 +9,10 @@ use palpate_core::contact::Levels;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{BenchKind, Setup};
-use palpate_hil::interfaces::reports;
-use palpate_hil::output::note;
-use palpate_hil::real::Sensed;
-use palpate_hil::record::Journal;
+use palpate_live::interfaces::reports;
+use palpate_live::output::{note, print_json};
+use palpate_live::real::Sensed;
+use palpate_live::record::Journal;
 use palpate_records::mcap::proto::Message;
 use palpate_records::trace::{Event, event};
 use palpate_run::{CanReport, Failure, Policy, Supervisor, Truth};
@@ -20,15 +20,15 @@ use serde::Serialize;
 use zenoh::pubsub::Publisher;
 use zenoh::{Session, Wait as _};
 
-use super::answers::{Answers, SECOND, Wearers, zenoh};
+use super::answers::{Answers, SECOND, Wearers};
 use super::shrunk::{Shrunk, levels};
 use super::skins::{WithSkin, open};
-use crate::cli::{Kind, SkinArgs};
+use crate::cli::{Kind, SkinArgs, after};
 use crate::judge::Head;
-use crate::message::{self, About, Body, Frame, VERSION};
+use crate::message::{self, About, Body, Frame, Scanned, Touched, VERSION};
 use crate::name::FingerName;
-use crate::net::{self, Mode, Net};
-use crate::records::{failed, journal, layout_digest, session_of};
+use crate::net::{self, Mode, Net, zenoh};
+use crate::records::{journal, layout_digest, session_of};
 
 /// The skin is read this often.
 const TURN: Duration = Duration::from_millis(1);
@@ -59,7 +59,7 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
         note("the scene's texture stays here: contacts and scans carry none");
     }
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
     may_publish(&net, args)?;
     alone(&net, args)?;
     let again = args.at.is_twice(args.twice);
@@ -188,17 +188,15 @@ impl WithSkin for Publishing<'_> {
             &args.record,
             args.force,
         )?;
-        let (key, name) = match args.send {
-            Kind::Contacts => (args.finger.contacts(), message::TOUCHED.name),
-            Kind::Scans => (args.finger.scans(), message::SCANNED.name),
+        let touched = message::encoding::<Touched>();
+        let (key, encoding) = match args.send {
+            Kind::Contacts => (args.finger.contacts(), touched.clone()),
+            Kind::Scans => (args.finger.scans(), message::encoding::<Scanned<'_>>()),
         };
-        let encoding = message::encoding(name);
-        let again = self.again.map(|session| {
-            net::frames(session, FingerName::again(&key), &encoding).map_err(failed)
-        });
+        let again = self.again;
+        let again = again.map(|s| net::frames(s, FingerName::again(&key), &encoding));
         let again = again.transpose()?;
-        let publisher = net::frames(&net.session, key, &encoding).map_err(failed)?;
-        let touched = message::encoding(message::TOUCHED.name);
+        let publisher = net::frames(&net.session, key, &encoding)?;
         let farewell = net::frames(&net.session, args.finger.contacts(), &touched);
         let about = About {
             version: VERSION,
@@ -218,7 +216,7 @@ impl WithSkin for Publishing<'_> {
             resting: vec![0; shrunk.projector().layout().modules().len()],
             publisher,
             again,
-            farewell: farewell.map_err(failed)?,
+            farewell: farewell?,
             shrunk,
             head: Head {
                 version: VERSION,
@@ -253,10 +251,7 @@ impl Turns<'_> {
         wearers: &Mutex<Wearers>,
     ) -> Result<(), Failure> {
         let clock = self.clock;
-        let end = match self.of.args.seconds {
-            Some(seconds) => Instant::from_micros((seconds * 1e6) as u64),
-            None => end,
-        };
+        let end = self.of.args.seconds.map_or(end, after);
         let mut ended = Ok(());
         skin.begin();
         loop {
@@ -300,10 +295,7 @@ impl Turns<'_> {
         self.sent.can = reports(real.map_or(&[], |real| &real.can), &skin.tallies());
         journal.finish()?;
         if self.of.args.json {
-            palpate_hil::output::print(|out| {
-                serde_json::to_writer(&mut *out, &self.sent)?;
-                writeln!(out)
-            })?;
+            print_json(&self.sent)?;
         }
         ended
     }
@@ -333,7 +325,6 @@ impl Turns<'_> {
             body: Body::Touched(Vec::new()),
             truth: None,
         };
-        self.message.clear();
         frame.write(&mut self.message);
         // Who does not hear it finds the silence.
         drop(self.farewell.put(self.message.bytes()).wait());
@@ -394,7 +385,6 @@ impl Turns<'_> {
             body,
             truth,
         };
-        self.message.clear();
         frame.write(&mut self.message);
         self.keep_rest(usize::from(scan.module));
         let bytes = self.message.bytes();

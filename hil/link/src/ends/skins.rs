@@ -3,10 +3,10 @@
 use palpate_buses::pacer::RunClock;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{BenchKind, Setup, Timing};
-use palpate_hil::real::{Sensed, open_skin};
-use palpate_hil::recording::{Reading, recorded};
+use palpate_live::real::{Sensed, open_skin};
+use palpate_live::recording::{Reading, recorded};
 use palpate_run::skin_end::Tap;
-use palpate_run::{CanPlayer, EmulatedSkin, Failure, Input, Rows, plan, skin};
+use palpate_run::{CanPlayer, Failure, Input, Rows, plan, skin};
 
 use crate::cli::SkinArgs;
 use crate::records::keeps_frames;
@@ -32,7 +32,7 @@ pub(super) fn open(setup: &Setup, args: &SkinArgs, work: impl WithSkin) -> Resul
     }
     if replay.is_empty() {
         let end = (setup.scene.value.length_s * 1e6).round() as u64;
-        let skin = EmulatedSkin::scene(setup, args.on.seed)?;
+        let skin = skin::scene(setup, args.on.seed, None)?;
         return work.with(skin, RunClock::start(), Instant::from_micros(end));
     }
     let reading = Reading {
@@ -47,7 +47,7 @@ pub(super) fn open(setup: &Setup, args: &SkinArgs, work: impl WithSkin) -> Resul
     let (input, notes) = recorded(replay, &setup.sensor.value, &reading)?;
     notes
         .iter()
-        .for_each(|text| palpate_hil::output::note(text));
+        .for_each(|text| palpate_live::output::note(text));
     match input {
         Input::Rows(sources) => {
             let rows = Rows::new(&sources, &setup.sensor.value, &layout)?;

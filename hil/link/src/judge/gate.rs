@@ -1,14 +1,12 @@
 //! The gate before a finger: which frames are felt.
 
-use core::fmt;
-
 use palpate_core::units::{Duration, Instant};
 
 use super::clock::Clock;
 use super::rate::Bucket;
 
 /// What every frame says of itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     /// Version of the messages.
     pub version: u32,
@@ -68,118 +66,74 @@ impl Patience {
     }
 }
 
-/// Why a frame is not felt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+macro_rules! refusals {
+    ($($(#[$why:meta])* $kind:ident $(($with:ty))? = $count:ident),+ $(,)?) => {
+        /// Why a frame is not felt.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+        pub enum Refusal { $($(#[$why])* $kind $(($with))?),+ }
+
+        impl Refusal {
+            /// One word: the name of its count in a [`Tally`].
+            #[must_use]
+            pub const fn word(&self) -> &'static str {
+                match self { $(Self::$kind { .. } => stringify!($count)),+ }
+            }
+        }
+
+        /// How many frames came to what.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+        pub struct Tally {
+            /// Frames that are felt.
+            pub felt: u64,
+            $(
+                #[doc = concat!("Frames of [`Refusal::", stringify!($kind), "`].")]
+                pub $count: u64,
+            )+
+            /// Sequence numbers that never came, of the sessions that were felt.
+            pub lost: u64,
+        }
+
+        impl Tally {
+            const fn add(&mut self, refusal: Refusal) {
+                let count = match refusal { $(Refusal::$kind { .. } => &mut self.$count),+ };
+                *count += 1;
+            }
+        }
+    };
+}
+
+refusals! {
     /// Messages of another version.
-    Version(u32),
+    #[error(
+        "expected messages of this program's version, found version {0}: run the same palpate-link on both machines"
+    )]
+    Version(u32) = version,
     /// Of a skin with another layout.
-    Layout(u64),
+    #[error(
+        "expected the layout of this scene, found digest {0:016x}: run the same scene on both machines"
+    )]
+    Layout(u64) = layout,
     /// Of another publisher than the one that is felt.
-    Second(u64),
+    #[error("publisher {0:016x} is refused: this finger feels another one")]
+    Second(u64) = second,
     /// More frames per second than any skin has.
-    Rate,
+    #[error("more frames per second than any skin has")]
+    Rate = rate,
     /// Came before, or was overtaken.
-    Order,
+    #[error("came before, or was overtaken")]
+    Order = order,
     /// Read after it was sent.
-    Impossible,
+    #[error("was read after it was sent")]
+    Impossible = impossible,
     /// One of the clocks was set: nothing is known of the age of what comes.
-    Jumped,
+    #[error("a clock was set: the age of readings is not known")]
+    Jumped = jumped,
     /// Publisher and wearer have not heard of each other yet, so nothing is known of its age.
-    NoClock,
+    #[error("the publisher has not answered yet")]
+    NoClock = no_clock,
     /// The reading may be older than the deadline.
-    Late(Duration),
-}
-
-impl Refusal {
-    /// One word, for tables.
-    #[must_use]
-    pub const fn word(&self) -> &'static str {
-        match self {
-            Self::Version(_) => "version",
-            Self::Layout(_) => "layout",
-            Self::Second(_) => "second",
-            Self::Rate => "rate",
-            Self::Order => "order",
-            Self::Impossible => "impossible",
-            Self::Jumped => "jumped",
-            Self::NoClock => "no-clock",
-            Self::Late(_) => "late",
-        }
-    }
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Version(version) => write!(
-                f,
-                "expected messages of this program's version, found version {version}: run the same palpate-link on both machines"
-            ),
-            Self::Layout(layout) => write!(
-                f,
-                "expected the layout of this scene, found digest {layout:016x}: run the same scene on both machines"
-            ),
-            Self::Second(session) => write!(
-                f,
-                "publisher {session:016x} is refused: this finger feels another one"
-            ),
-            Self::Rate => f.write_str("more frames per second than any skin has"),
-            Self::Order => f.write_str("came before, or was overtaken"),
-            Self::Impossible => f.write_str("was read after it was sent"),
-            Self::Jumped => f.write_str("a clock was set: the age of readings is not known"),
-            Self::NoClock => f.write_str("the publisher has not answered yet"),
-            Self::Late(age) => write!(
-                f,
-                "the reading may be {} ms old",
-                age.as_micros().div_ceil(1000)
-            ),
-        }
-    }
-}
-
-/// How many frames came to what.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Tally {
-    /// Frames that are felt.
-    pub felt: u64,
-    /// Of another version.
-    pub version: u64,
-    /// Of another layout.
-    pub layout: u64,
-    /// Of a second publisher.
-    pub second: u64,
-    /// Too many.
-    pub rate: u64,
-    /// Duplicates and frames that were overtaken.
-    pub order: u64,
-    /// Frames that contradict themselves.
-    pub impossible: u64,
-    /// A clock was set.
-    pub jumped: u64,
-    /// Before clocks were compared.
-    pub no_clock: u64,
-    /// Too old.
-    pub late: u64,
-    /// Sequence numbers that never came, of the sessions that were felt.
-    pub lost: u64,
-}
-
-impl Tally {
-    const fn add(&mut self, refusal: Refusal) {
-        let count = match refusal {
-            Refusal::Version(_) => &mut self.version,
-            Refusal::Layout(_) => &mut self.layout,
-            Refusal::Second(_) => &mut self.second,
-            Refusal::Rate => &mut self.rate,
-            Refusal::Order => &mut self.order,
-            Refusal::Impossible => &mut self.impossible,
-            Refusal::Jumped => &mut self.jumped,
-            Refusal::NoClock => &mut self.no_clock,
-            Refusal::Late(_) => &mut self.late,
-        };
-        *count += 1;
-    }
+    #[error("the reading may be {} ms old", .0.as_micros().div_ceil(1000))]
+    Late(Duration) = late,
 }
 
 /// The publisher that is felt.

@@ -9,10 +9,11 @@ mod wearer;
 
 pub use echo::Echo;
 pub use frame::{Body, Frame, Truth};
-pub use schema::{ABOUT, ECHO, SCANNED, Schema, TOUCHED, WEARER, descriptor, proto_file};
+pub(crate) use frame::{Scanned, Touched};
+pub use schema::{descriptor, proto_file};
 pub use wearer::{About, Wearer};
 
-use palpate_records::mcap::proto::{Fields, Value};
+use palpate_records::mcap::{Described, full_name};
 
 /// Version of the messages; grows when one changes its meaning.
 pub const VERSION: u32 = 1;
@@ -20,43 +21,10 @@ pub const VERSION: u32 = 1;
 /// Bytes of a message at most: a scan of ten thousand taxels. More is refused before it is looked at.
 pub const MOST_BYTES: usize = 1 << 16;
 
-/// The encoding as zenoh names it, for a message of this name.
+/// The encoding of a message as zenoh names it.
 #[must_use]
-pub fn encoding(name: &str) -> String {
-    format!("application/protobuf;palpate.{name}")
-}
-
-/// The numbers of the fields of a message that has nothing but numbers and text; `None` where it is damaged.
-fn each<'a>(bytes: &'a [u8], mut take: impl FnMut(u32, Value<'a>) -> Option<()>) -> Option<()> {
-    for field in Fields::new(bytes) {
-        let (number, value) = field?;
-        take(number, value)?;
-    }
-    Some(())
-}
-
-/// A number, or `None` for a value of another kind.
-const fn number(value: Value<'_>) -> Option<u64> {
-    match value {
-        Value::Number(number) => Some(number),
-        _ => None,
-    }
-}
-
-/// A floating-point number.
-const fn double(value: Value<'_>) -> Option<f64> {
-    match value {
-        Value::Fixed64(bits) => Some(f64::from_bits(bits)),
-        _ => None,
-    }
-}
-
-/// Text.
-fn text(value: Value<'_>) -> Option<String> {
-    match value {
-        Value::Data(bytes) => String::from_utf8(bytes.to_vec()).ok(),
-        _ => None,
-    }
+pub fn encoding<'a, T: Described<'a>>() -> String {
+    format!("application/protobuf;{}", full_name::<T>())
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 use palpate_core::contact::Contact;
 use palpate_core::units::Point;
 use palpate_records::mcap::proto::Message;
+use palpate_records::mcap::{MessageSchema, decode, encoded};
+use palpate_records::trace::event;
 use proptest::prelude::*;
 
 use super::*;
@@ -77,7 +79,7 @@ fn contacts_are_twenty_times_fewer_bytes_than_scans_of_a_hand() {
 
 #[test]
 fn wearers_echoes_and_publishers_come_back_as_they_went() {
-    let wearer = Wearer {
+    let mut wearer = Wearer {
         version: VERSION,
         session: 5,
         said_us: 77,
@@ -86,16 +88,16 @@ fn wearers_echoes_and_publishers_come_back_as_they_went() {
         stopped: "stopped by SIGINT".into(),
         trouble: String::new(),
     };
-    assert_eq!(Wearer::read(wearer.write().bytes()), Some(wearer));
-    let echo = Echo {
+    assert_eq!(decode::<Wearer>(encoded(&mut wearer).bytes()), Some(wearer));
+    let mut echo = Echo {
         version: VERSION,
         session: 1,
         wearer: 2,
         said_us: 3,
         heard_us: 4,
     };
-    assert_eq!(Echo::read(echo.write().bytes()), Some(echo));
-    let about = About {
+    assert_eq!(decode::<Echo>(encoded(&mut echo).bytes()), Some(echo));
+    let mut about = About {
         version: VERSION,
         session: 1,
         layout: 2,
@@ -107,7 +109,7 @@ fn wearers_echoes_and_publishers_come_back_as_they_went() {
     // An empty field is none.
     let mut expected = about.clone();
     expected.rest.pop();
-    assert_eq!(About::read(about.write().bytes()), Some(expected));
+    assert_eq!(decode::<About>(encoded(&mut about).bytes()), Some(expected));
 }
 
 #[test]
@@ -120,14 +122,69 @@ fn a_frame_of_too_many_contacts_is_none() {
     assert_eq!(Frame::touched(&bytes(&frame)), None);
 }
 
+#[test]
+fn refused_publishers_stand_one_by_one_and_there_are_eight_at_most() {
+    let mut wearer = Wearer {
+        version: 1,
+        refused: vec![1, 0, 300],
+        trouble: "a".into(),
+        ..Wearer::default()
+    };
+    let bytes = [8, 1, 0x28, 1, 0x28, 0xac, 2, 0x3a, 1, b'a'];
+    assert_eq!(encoded(&mut wearer).bytes(), bytes);
+    let eight: Vec<u64> = (1..=8).collect();
+    wearer.refused = (1..=9).collect();
+    let written: Wearer = decode(encoded(&mut wearer).bytes()).unwrap();
+    assert_eq!(written.refused, eight);
+    let nine: Vec<u8> = (1..=9).flat_map(|session| [0x28, session]).collect();
+    assert_eq!(decode::<Wearer>(&nine).unwrap().refused, eight);
+}
+
+#[test]
+fn an_empty_truth_is_another_than_none() {
+    let frame = Frame {
+        head: Head::default(),
+        body: Body::Touched(vec![]),
+        truth: Some(Truth::default()),
+    };
+    assert_eq!(bytes(&frame), [0x3a, 0]);
+    assert_eq!(Frame::touched(&[0x3a, 0]), Some(frame));
+    assert_eq!(Frame::touched(&[]).unwrap().truth, None);
+}
+
+#[test]
+fn contacts_and_truth_have_the_fields_of_a_recording() {
+    let recorded = MessageSchema::of(event::Contact::default());
+    assert_eq!(MessageSchema::of(Contact::default()), recorded);
+    let recorded = MessageSchema::of(event::Truth::default());
+    assert_eq!(MessageSchema::of(Truth::default()), recorded);
+}
+
+#[test]
+fn the_proto_file_says_what_is_repeated_and_what_is_inside() {
+    let text = proto_file();
+    assert!(text.starts_with("syntax = \"proto3\";\npackage palpate;\n\nmessage Contact {\n"));
+    for line in [
+        "  Truth truth = 7;",
+        "  repeated Contact contacts = 8;",
+        "  repeated uint32 x = 9;",
+        "  repeated uint64 refused = 5;",
+        "  repeated bytes rest = 7;",
+        "  double force_n = 3;",
+        "  string layout_name = 4;",
+    ] {
+        assert!(text.contains(line), "{line}");
+    }
+}
+
 proptest! {
     #[test]
     fn no_bytes_are_a_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let _ = Frame::touched(&bytes);
         let _ = Frame::scanned(&bytes);
-        let _ = Wearer::read(&bytes);
-        let _ = Echo::read(&bytes);
-        let _ = About::read(&bytes);
+        let _ = decode::<Wearer>(&bytes);
+        let _ = decode::<Echo>(&bytes);
+        let _ = decode::<About>(&bytes);
     }
 
     #[test]

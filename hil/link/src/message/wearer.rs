@@ -1,9 +1,6 @@
 //! What a wearer's machine says, ten times per second; and what a publisher says of itself when it is asked.
 
-use palpate_records::mcap::proto::Message;
-use palpate_records::mcap::proto::Value;
-
-use super::{VERSION, each, number, text};
+use palpate_records::mcap::{Described, FieldKind, Visit};
 
 /// Publishers that are named as refused at most.
 const MOST_REFUSED: usize = 8;
@@ -27,41 +24,21 @@ pub struct Wearer {
     pub trouble: String,
 }
 
-impl Wearer {
-    /// The message.
-    #[must_use]
-    pub fn write(&self) -> Message {
-        let mut message = Message::default();
-        message
-            .uint(1, VERSION)
-            .uint(2, self.session)
-            .uint(3, self.said_us)
-            .uint(4, self.feels);
-        for session in self.refused.iter().take(MOST_REFUSED) {
-            message.uint(5, *session);
-        }
-        message.text(6, &self.stopped).text(7, &self.trouble);
-        message
-    }
+impl<'a> Described<'a> for Wearer {
+    const NAME: &'static str = "Wearer";
 
-    /// Reads one; `None` where it is damaged.
-    #[must_use]
-    pub fn read(bytes: &[u8]) -> Option<Self> {
-        let mut wearer = Self::default();
-        each(bytes, |field, value| {
-            match field {
-                1 => wearer.version = u32::try_from(number(value)?).ok()?,
-                2 => wearer.session = number(value)?,
-                3 => wearer.said_us = number(value)?,
-                4 => wearer.feels = number(value)?,
-                5 if wearer.refused.len() < MOST_REFUSED => wearer.refused.push(number(value)?),
-                6 => wearer.stopped = text(value)?,
-                7 => wearer.trouble = text(value)?,
-                _ => {}
-            }
-            Some(())
-        })?;
-        Some(wearer)
+    fn fields(&mut self, visit: &mut impl Visit<'a>) {
+        // The loop may hold more than a message names.
+        self.refused.truncate(MOST_REFUSED);
+        visit.whole("version", &mut self.version);
+        visit.whole("session", &mut self.session);
+        visit.whole("said_us", &mut self.said_us);
+        visit.whole("feels", &mut self.feels);
+        visit.several(&mut self.refused, MOST_REFUSED, |visit, session| {
+            visit.whole("refused", session);
+        });
+        visit.text("stopped", &mut self.stopped);
+        visit.text("trouble", &mut self.trouble);
     }
 }
 
@@ -84,41 +61,18 @@ pub struct About {
     pub rest: Vec<Vec<u8>>,
 }
 
-impl About {
-    /// The message.
-    #[must_use]
-    pub fn write(&self) -> Message {
-        let mut message = Message::default();
-        message
-            .uint(1, VERSION)
-            .uint(2, self.session)
-            .uint(3, self.layout)
-            .text(4, &self.layout_name)
-            .text(5, &self.scene)
-            .text(6, &self.kind);
-        for scan in &self.rest {
-            message.data(7, scan);
-        }
-        message
-    }
+impl<'a> Described<'a> for About {
+    const NAME: &'static str = "About";
 
-    /// Reads one; `None` where it is damaged.
-    #[must_use]
-    pub fn read(bytes: &[u8]) -> Option<Self> {
-        let mut about = Self::default();
-        each(bytes, |field, value| {
-            match (field, value) {
-                (1, value) => about.version = u32::try_from(number(value)?).ok()?,
-                (2, value) => about.session = number(value)?,
-                (3, value) => about.layout = number(value)?,
-                (4, value) => about.layout_name = text(value)?,
-                (5, value) => about.scene = text(value)?,
-                (6, value) => about.kind = text(value)?,
-                (7, Value::Data(bytes)) => about.rest.push(bytes.to_vec()),
-                _ => {}
-            }
-            Some(())
-        })?;
-        Some(about)
+    fn fields(&mut self, visit: &mut impl Visit<'a>) {
+        visit.whole("version", &mut self.version);
+        visit.whole("session", &mut self.session);
+        visit.whole("layout", &mut self.layout);
+        visit.text("layout_name", &mut self.layout_name);
+        visit.text("scene", &mut self.scene);
+        visit.text("kind", &mut self.kind);
+        visit.several(&mut self.rest, usize::MAX, |visit, scan| {
+            visit.data("rest", FieldKind::Bytes, scan);
+        });
     }
 }

@@ -78,15 +78,6 @@ pub enum LabError {
     Made(#[from] rcgen::Error),
 }
 
-/// A member whose keys are to be made.
-#[derive(Clone, Debug)]
-pub struct Wanted {
-    /// Its line of the access list.
-    pub member: Member,
-    /// Host names and addresses of its machine; for tools other than this one, which check names.
-    pub hosts: Vec<String>,
-}
-
 /// The keys of one member, read.
 #[derive(Debug)]
 pub struct Lab {
@@ -132,7 +123,7 @@ impl Lab {
     ///
     /// # Errors
     /// [`LabError`] for files that cannot be read or written.
-    pub fn make(folder: &Path, wanted: &[Wanted], lasts: Duration) -> Result<Access, LabError> {
+    pub fn make(folder: &Path, wanted: &[Member], lasts: Duration) -> Result<Access, LabError> {
         fs::create_dir_all(folder).map_err(file(folder))?;
         let (authority, issuer) = authority(folder)?;
         let path = folder.join(ACCESS);
@@ -141,13 +132,14 @@ impl Lab {
             Err(_) => Access::default(),
         };
         for one in wanted {
-            access.members.retain(|m| m.name != one.member.name);
-            access.members.push(one.member.clone());
-            let own = folder.join(&one.member.name);
+            access.members.retain(|m| m.name != one.name);
+            access.members.push(one.clone());
+            let own = folder.join(&one.name);
             fs::create_dir_all(&own).map_err(file(&own))?;
             let key = KeyPair::generate()?;
-            let mut params = CertificateParams::new(one.hosts.clone())?;
-            let name = one.member.name.as_str();
+            // Tools other than this one look for a name of the machine.
+            let mut params = CertificateParams::new([one.name.clone()])?;
+            let name = one.name.as_str();
             params.distinguished_name.push(DnType::CommonName, name);
             params.not_before = now() - BEFORE;
             params.not_after = now() + lasts;

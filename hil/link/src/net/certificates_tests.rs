@@ -2,16 +2,13 @@
 
 use super::*;
 
-fn wanted(name: &str) -> Wanted {
-    Wanted {
-        member: Member {
-            name: name.into(),
-            publishes: vec![format!("{name}/*/*")],
-            feels: Vec::new(),
-            watches: false,
-            relays: false,
-        },
-        hosts: vec![name.into()],
+fn wanted(name: &str) -> Member {
+    Member {
+        name: name.into(),
+        publishes: vec![format!("{name}/*/*")],
+        feels: Vec::new(),
+        watches: false,
+        relays: false,
     }
 }
 

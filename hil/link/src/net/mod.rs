@@ -6,15 +6,20 @@ mod open;
 mod words;
 
 pub use access::{Access, Member};
-pub use certificates::{Lab, LabError, Wanted};
+pub use certificates::{Lab, LabError};
+pub(crate) use open::zenoh;
 pub use open::{At, Mode, Net, NetError, open, open_beside};
 
+use std::borrow::Cow;
+
 use zenoh::bytes::Encoding;
-use zenoh::pubsub::Publisher;
+use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::{Query, Queryable};
+use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
+use crate::message::MOST_BYTES;
 use crate::name::ROOT;
 
 /// A publisher of frames: what cannot be sent at once is dropped, and nothing waits to fill a packet.
@@ -33,7 +38,27 @@ pub fn frames(
         .priority(Priority::RealTime)
         .express(true)
         .wait()
-        .map_err(|e| NetError::Zenoh(e.to_string()))
+        .map_err(zenoh)
+}
+
+/// Hands every message of a key on, as it comes.
+///
+/// # Errors
+/// [`NetError`] where zenoh refuses.
+pub fn subscribe(
+    session: &Session,
+    key: String,
+    hear: impl Fn(Sample) + Send + Sync + 'static,
+) -> Result<Subscriber<()>, NetError> {
+    let subscriber = session.declare_subscriber(key).callback(hear);
+    subscriber.wait().map_err(zenoh)
+}
+
+/// What a message says; `None` of more bytes than any of ours has, which are neither looked at nor copied.
+#[must_use]
+pub fn bytes(sample: &Sample) -> Option<Cow<'_, [u8]>> {
+    let payload = sample.payload();
+    (payload.len() <= MOST_BYTES).then(|| payload.to_bytes())
 }
 
 impl Net {
@@ -64,8 +89,6 @@ impl Net {
         };
         let queryable = self.session.declare_queryable(format!("{ROOT}/may/**"));
         let queryable = queryable.callback(answer).wait();
-        queryable
-            .map(Some)
-            .map_err(|e| NetError::Zenoh(e.to_string()))
+        queryable.map(Some).map_err(zenoh)
     }
 }

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_core::units::{Duration, Instant};
-use palpate_hil::output::note;
+use palpate_live::output::note;
+use palpate_run::Failure;
 use serde_json::{Value, json};
 use thiserror::Error;
 use zenoh::{Config, Session, Wait};
@@ -117,6 +118,15 @@ pub enum NetError {
     Zenoh(String),
 }
 
+impl From<NetError> for Failure {
+    fn from(error: NetError) -> Self {
+        match error {
+            NetError::Zenoh(_) | NetError::Silent(_) => Self::Device(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
 /// A session, and who it is.
 #[derive(Debug)]
 pub struct Net {
@@ -220,7 +230,8 @@ impl Planned {
     }
 }
 
-fn zenoh(error: zenoh::Error) -> NetError {
+/// What zenoh says, as an error of the network.
+pub(crate) fn zenoh(error: zenoh::Error) -> NetError {
     NetError::Zenoh(error.to_string())
 }
 
@@ -230,9 +241,7 @@ fn through(relay: &str, config: &Config, signals: &Signals) -> Result<Session, N
     loop {
         match zenoh::open(config.clone()).wait() {
             Ok(session) => return Ok(session),
-            Err(e) if !e.to_string().contains(UNREACHED) => {
-                return Err(NetError::Zenoh(e.to_string()));
-            }
+            Err(e) if !e.to_string().contains(UNREACHED) => return Err(zenoh(e)),
             Err(_) if signals.caught().is_some() => return Err(NetError::Silent(relay.into())),
             Err(_) if !is_told => {
                 note(&format!("no relay answers at {relay}; trying on"));

@@ -1,10 +1,11 @@
 //! `palpate-link keys`: a lab's certificates and access list.
 
+use palpate_live::output::print;
 use palpate_run::Failure;
 
 use crate::cli::KeysArgs;
 use crate::name::Name;
-use crate::net::{Lab, Member, Wanted};
+use crate::net::{Lab, Member};
 
 /// A name, and fingers after `=`.
 fn split(
@@ -69,24 +70,13 @@ pub fn run(args: &KeysArgs) -> Result<(), Failure> {
                 .into(),
         ));
     }
-    let wanted: Vec<Wanted> = wanted
-        .into_iter()
-        .map(|member| Wanted {
-            hosts: vec![member.name.clone()],
-            member,
-        })
-        .collect();
     let access = Lab::make(&args.folder, &wanted, time::Duration::days(args.days));
     let access = access.map_err(|e| Failure::Input(e.to_string()))?;
-    palpate_hil::output::print(|out| {
+    print(|out| {
         for one in &wanted {
-            let folder = args.folder.join(&one.member.name);
-            writeln!(
-                out,
-                "{}: copy {} to its machine",
-                one.member.name,
-                folder.display()
-            )?;
+            let folder = args.folder.join(&one.name);
+            let name = &one.name;
+            writeln!(out, "{name}: copy {} to its machine", folder.display())?;
         }
         let others = access.members.len() - wanted.len();
         if others > 0 {

@@ -6,18 +6,18 @@ use std::time::Duration;
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
-use palpate_core::units::Instant;
+use palpate_live::output::{print, print_json};
+use palpate_records::mcap::decode;
 use palpate_run::Failure;
 use serde::Serialize;
 use zenoh::Wait as _;
 use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
 
-use crate::cli::ListArgs;
-use crate::message::{About, MOST_BYTES, VERSION, Wearer};
+use crate::cli::{ListArgs, after};
+use crate::message::{About, VERSION, Wearer};
 use crate::name::{FingerName, ROOT};
-use crate::net::{self, Mode, Net};
-use crate::records::failed;
+use crate::net::{self, Mode, Net, NetError, zenoh};
 
 /// A publisher of a finger.
 #[derive(Debug, Serialize)]
@@ -59,14 +59,11 @@ fn split(key: &str) -> Option<(FingerName, &str)> {
 type Said = BTreeMap<(String, String), Wearer>;
 
 /// Keeps what wearers say.
-fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, Failure> {
+fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, NetError> {
     let hear = move |sample: Sample| {
-        if sample.payload().len() > MOST_BYTES {
-            return;
-        }
-        let key = sample.key_expr().as_str();
-        let wearer = Wearer::read(&sample.payload().to_bytes());
-        if let (Some((finger, rest)), Some(wearer)) = (split(key), wearer)
+        let wearer = net::bytes(&sample).and_then(|bytes| decode::<Wearer>(&bytes));
+        let place = split(sample.key_expr().as_str());
+        if let (Some((finger, rest)), Some(wearer)) = (place, wearer)
             && let Some(name) = rest.strip_prefix("wearers/")
         {
             let key = (finger.to_string(), name.to_owned());
@@ -75,9 +72,7 @@ fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, Failure> 
                 .insert(key, wearer);
         }
     };
-    let key = format!("{ROOT}/*/*/*/wearers/*");
-    let subscriber = net.session.declare_subscriber(key).callback(hear).wait();
-    subscriber.map_err(|e| Failure::Device(format!("zenoh: {e}")))
+    net::subscribe(&net.session, format!("{ROOT}/*/*/*/wearers/*"), hear)
 }
 
 /// Runs it.
@@ -86,19 +81,18 @@ fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, Failure> 
 /// [`Failure`] with its exit status.
 pub fn run(args: &ListArgs) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
-    let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
+    let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
     let said = Arc::new(Mutex::new(Said::new()));
     let hears = listen(&net, Arc::clone(&said))?;
     let wait = Duration::from_secs_f64(args.seconds);
     let clock = RunClock::start();
-    clock.sleep_until(Instant::from_micros((args.seconds.min(0.5) * 1e6) as u64));
+    clock.sleep_until(after(args.seconds.min(0.5)));
     let mut fingers: BTreeMap<String, Listed> = BTreeMap::new();
     let all = format!("{ROOT}/*/*/*/about");
     let answers = net.session.get(all).timeout(wait).wait().map_err(zenoh)?;
     while let Ok(reply) = answers.recv() {
         let Ok(sample) = reply.result() else { continue };
-        let about = About::read(&sample.payload().to_bytes());
+        let about = decode::<About>(&sample.payload().to_bytes());
         if let (Some((finger, _)), Some(about)) = (split(sample.key_expr().as_str()), about) {
             listed(&mut fingers, &finger.to_string())
                 .publishers
@@ -152,11 +146,10 @@ fn listed<'a>(fingers: &'a mut BTreeMap<String, Listed>, finger: &str) -> &'a mu
 }
 
 fn tell(args: &ListArgs, fingers: &[Listed]) -> Result<(), Failure> {
-    palpate_hil::output::print(|out| {
-        if args.json {
-            serde_json::to_writer(&mut *out, fingers)?;
-            return writeln!(out);
-        }
+    if args.json {
+        return print_json(fingers);
+    }
+    print(|out| {
         if fingers.is_empty() {
             return writeln!(
                 out,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use mcap::MessageStream;
+use palpate_live::output::{print, print_json};
 use palpate_records::mcap::proto::{Fields, Value};
 use palpate_run::Failure;
 use serde::Serialize;
@@ -216,11 +217,10 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
 /// Says what came of it.
 fn tell(args: &MergeArgs, merged: &Merged, left_out: usize) -> Result<(), Failure> {
     let (middle, half) = (merged.offset_us, merged.uncertainty_us);
-    palpate_hil::output::print(|out| {
-        if args.json {
-            serde_json::to_writer(&mut *out, merged)?;
-            return writeln!(out);
-        }
+    if args.json {
+        return print_json(merged);
+    }
+    print(|out| {
         writeln!(
             out,
             "{}: {} messages of the robot, {} of the wearer, whose clock was {middle} us ahead, within {half} us",

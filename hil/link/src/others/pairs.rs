@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use palpate_files::Format;
-use palpate_hil::output::{Outputs, make_folder};
-use palpate_records::contacts_csv::{HEADER, write_rows};
+use palpate_live::output::{Outputs, make_folder};
+use palpate_records::contacts_csv::{write_header, write_rows};
 use palpate_records::mcap::decode;
 use palpate_records::trace::{PlaceUm, event};
 use palpate_run::Failure;
@@ -91,12 +91,12 @@ pub(super) fn write(
     force: bool,
 ) -> Result<(), Failure> {
     make_folder(folder)?;
-    let outputs = Outputs { force, inputs: &[] };
+    let outputs = Outputs::of(force);
     outputs.write(&folder.join(name), Format::Contacts, |out| {
-        writeln!(out, "{HEADER}")?;
+        write_header(&[], &mut *out)?;
         frames
             .iter()
-            .try_for_each(|frame| write_rows(&frame.contacts, &mut *out))
+            .try_for_each(|frame| write_rows(&frame.contacts, &[], &mut *out))
     })
 }
 

@@ -12,17 +12,15 @@ use mcap::{WriteOptions, Writer};
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_core::units::Instant;
-use palpate_hil::output::note;
+use palpate_live::output::note;
+use palpate_records::mcap::full_name;
 use palpate_run::Failure;
-use zenoh::Wait as _;
-use zenoh::sample::Sample;
 
-use crate::cli::RecordArgs;
+use crate::cli::{RecordArgs, after};
 use crate::ends::Inbox;
-use crate::message::{ABOUT, ECHO, MOST_BYTES, SCANNED, Schema, TOUCHED, WEARER, descriptor};
+use crate::message::{About, Echo, Scanned, Touched, Wearer, descriptor};
 use crate::name::ROOT;
 use crate::net::{self, Mode};
-use crate::records::failed;
 
 /// Messages that wait for the disk at most.
 const MOST_WAITING: usize = 1 << 14;
@@ -38,10 +36,7 @@ pub(super) struct Recording {
 
 /// What a recorder says of a file.
 fn wrong(path: &str, error: &mcap::McapError) -> Failure {
-    Failure::Write {
-        path: path.into(),
-        error: std::io::Error::other(error.to_string()),
-    }
+    Failure::written(path)(std::io::Error::other(error.to_string()))
 }
 
 impl Recording {
@@ -62,10 +57,7 @@ impl Recording {
                 "{name}: is there already; --force replaces it"
             )));
         }
-        let file = File::create(path).map_err(|error| Failure::Write {
-            path: name.clone(),
-            error,
-        })?;
+        let file = File::create(path).map_err(Failure::written(path))?;
         let options = WriteOptions::new()
             .compression(None)
             .profile("palpate-link")
@@ -130,17 +122,17 @@ impl Recording {
     }
 }
 
-/// The schema of a key's messages.
-fn schema_of(key: &str) -> Option<Schema> {
+/// The schema's name of a key's messages.
+fn schema_of(key: &str) -> Option<String> {
     let mut parts = key.split('/').skip(4);
-    match parts.next()? {
-        "contacts" => Some(TOUCHED),
-        "scans" => Some(SCANNED),
-        "echo" => Some(ECHO),
-        "wearers" => Some(WEARER),
-        "about" => Some(ABOUT),
-        _ => None,
-    }
+    Some(match parts.next()? {
+        "contacts" => full_name::<Touched>(),
+        "scans" => full_name::<Scanned<'_>>(),
+        "echo" => full_name::<Echo>(),
+        "wearers" => full_name::<Wearer>(),
+        "about" => full_name::<About>(),
+        _ => return None,
+    })
 }
 
 /// Runs it.
@@ -154,33 +146,28 @@ pub fn run(args: &RecordArgs) -> Result<(), Failure> {
         "this machine's, from the start".to_owned(),
     )]);
     let mut recording = Recording::begin(&args.file, args.force, facts)?;
-    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
     let clock = RunClock::start();
     let waiting = Arc::new(Inbox::new(MOST_WAITING));
     let subscriber = {
         let waiting = Arc::clone(&waiting);
-        let take = move |sample: Sample| {
+        net::subscribe(&net.session, format!("{ROOT}/**"), move |sample| {
             let at = clock.now();
-            if sample.payload().len() <= MOST_BYTES {
+            if let Some(bytes) = net::bytes(&sample) {
                 let key = sample.key_expr().as_str().to_owned();
-                waiting.push((at, key, sample.payload().to_bytes().into_owned()));
+                waiting.push((at, key, bytes.into_owned()));
             }
-        };
-        let subscriber = net.session.declare_subscriber(format!("{ROOT}/**"));
-        let subscriber = subscriber.callback(take).wait();
-        subscriber.map_err(|e| Failure::Device(format!("zenoh: {e}")))?
+        })?
     };
-    let end = args.seconds.map_or(Instant::FAR_FUTURE, |s| {
-        Instant::from_micros((s * 1e6) as u64)
-    });
+    let end = args.seconds.map_or(Instant::FAR_FUTURE, after);
     let mut messages = 0_u64;
     let all = descriptor();
     while signals.caught().is_none() && clock.now() < end {
         waiting.wait(Duration::from_millis(50));
         while let Some((at, key, bytes)) = waiting.take() {
             if let Some(schema) = schema_of(&key) {
-                let of = (schema.full_name(), at.as_micros() * 1000);
-                recording.message(&format!("/{key}"), (&of.0, &all), of.1, &bytes)?;
+                let t_ns = at.as_micros() * 1000;
+                recording.message(&format!("/{key}"), (&schema, &all), t_ns, &bytes)?;
                 messages += 1;
             }
         }

@@ -8,18 +8,16 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use palpate_buses::signals::Signals;
-use palpate_hil::output::note;
+use palpate_live::output::note;
 use palpate_run::Failure;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Publisher;
-use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
-use crate::cli::RosArgs;
+use crate::cli::{RosArgs, after};
 use crate::ends::Inbox;
-use crate::message::{Body, Frame, MOST_BYTES};
-use crate::net::{self, Mode};
-use crate::records::failed;
+use crate::message::{Body, Frame};
+use crate::net::{self, Mode, NetError, zenoh};
 pub use messages::{MARKERS, POINT, Stamp, Topic, markers, point};
 
 /// Frames that wait at most.
@@ -48,8 +46,7 @@ impl Published {
         (node, entity): (&str, u32),
         name: &str,
         topic: &Topic,
-    ) -> Result<Self, Failure> {
-        let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
+    ) -> Result<Self, NetError> {
         let id = session.zid();
         let kind = format!(
             "{}::msg::dds_::{}_/{}",
@@ -74,7 +71,7 @@ impl Published {
         })
     }
 
-    fn send(&self, bytes: Vec<u8>) -> Result<(), Failure> {
+    fn send(&self, bytes: Vec<u8>) -> Result<(), NetError> {
         let sequence = self.sequence.fetch_add(1, Ordering::Relaxed) + 1;
         let mut attachment = Vec::with_capacity(33);
         attachment.extend(sequence.to_le_bytes());
@@ -82,8 +79,7 @@ impl Published {
         attachment.push(16);
         attachment.extend(self.gid);
         let put = self.publisher.put(bytes).attachment(attachment);
-        put.wait()
-            .map_err(|e| Failure::Device(format!("zenoh: {e}")))
+        put.wait().map_err(zenoh)
     }
 }
 
@@ -93,8 +89,7 @@ impl Published {
 /// [`Failure`] with its exit status.
 pub fn run(args: &RosArgs) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
-    let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
+    let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
     let (session, domain) = (&net.session, args.domain);
     let node = "palpate_link";
     let id = session.zid();
@@ -123,24 +118,18 @@ pub fn run(args: &RosArgs) -> Result<(), Failure> {
     let waiting = Arc::new(Inbox::new(MOST_WAITING));
     let subscriber = {
         let waiting = Arc::clone(&waiting);
-        let take = move |sample: Sample| {
-            if sample.payload().len() <= MOST_BYTES
-                && let Some(frame) = Frame::touched(&sample.payload().to_bytes())
-            {
+        net::subscribe(session, args.finger.contacts(), move |sample| {
+            if let Some(frame) = net::bytes(&sample).and_then(|bytes| Frame::touched(&bytes)) {
                 waiting.push(frame);
             }
-        };
-        let subscriber = session.declare_subscriber(args.finger.contacts());
-        subscriber.callback(take).wait().map_err(zenoh)?
+        })?
     };
     note(&format!(
         "/{base}/contact and /{base}/markers in domain {domain}"
     ));
     let frame_id = base.replace('/', "_");
     let clock = palpate_buses::pacer::RunClock::start();
-    let end = args
-        .seconds
-        .map(|s| palpate_core::units::Instant::from_micros((s * 1e6) as u64));
+    let end = args.seconds.map(after);
     while signals.caught().is_none() && end.is_none_or(|end| clock.now() < end) {
         waiting.wait(Duration::from_millis(50));
         while let Some(frame) = waiting.take() {

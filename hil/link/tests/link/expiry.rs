@@ -1,6 +1,6 @@
 //! A certificate whose time runs out while its link is open.
 
-use palpate_link::net::{Lab, Member, Wanted};
+use palpate_link::net::{Lab, Member};
 
 use time::Duration;
 
@@ -20,8 +20,7 @@ fn lab(folder: &Folder, robot: Duration, wearer: Duration) {
             watches: false,
             relays: false,
         };
-        let hosts = vec![name.into()];
-        Lab::make(folder.path(), &[Wanted { member, hosts }], lasts).unwrap();
+        Lab::make(folder.path(), &[member], lasts).unwrap();
     }
 }
 

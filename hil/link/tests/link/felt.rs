@@ -10,7 +10,7 @@ use palpate_records::felt::FeltPath;
 use palpate_records::trace::{Event, event};
 use palpate_run::skin_end::SkinEnd;
 use palpate_run::{
-    EmulatedSession, EmulatedSkin, HeldSession, Policy, Truth, build, dynamic_levels, header,
+    EmulatedSession, HeldSession, Policy, Truth, build, dynamic_levels, header, skin,
 };
 
 use crate::weather::{Dice, LAYOUT, Message, Weather, World, beat, deliver, head};
@@ -47,7 +47,7 @@ fn wired(setup: &Setup) -> Vec<Event> {
 fn linked(setup: &Setup, weather: Weather, seed: u64) -> Vec<Event> {
     let mut world: World<Vec<Contact>> = World::new(weather, Vec::new(), seed);
     let mut gate = Gate::new(Patience::new(1, LAYOUT));
-    let mut skin = EmulatedSkin::scene(setup, 1).unwrap();
+    let mut skin = skin::scene(setup, 1, None).unwrap();
     let levels = dynamic_levels(&setup.scene.value.compression);
     let mut shrunk = Shrunk::new(setup, 1, levels.clone(), Truth::Unknown).unwrap();
     let mut session = HeldSession::held(setup, 1, levels, Truth::of(setup)).unwrap();

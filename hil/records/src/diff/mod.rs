@@ -10,6 +10,8 @@ mod recording;
 mod tables;
 mod words;
 
+use serde::Serialize;
+
 use crate::story::{GoldenKind, Story};
 use crate::trace::Source;
 pub use align::{Alignment, align};
@@ -48,16 +50,18 @@ pub enum Grade {
 }
 
 /// One difference.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// How grave.
-    pub grade: Grade,
-    /// Whether it means anything; else it is cosmetic.
-    pub meaning: bool,
-    /// Among its grade: the larger is told first.
-    pub weight: i64,
     /// In words.
     pub text: String,
+    /// Whether it means anything; else it is cosmetic.
+    pub meaning: bool,
+    /// How grave.
+    #[serde(skip)]
+    pub grade: Grade,
+    /// Among its grade: the larger is told first.
+    #[serde(skip)]
+    pub weight: i64,
 }
 
 impl Difference {

@@ -44,27 +44,6 @@ foxglove.SceneEntity timestamp:google.protobuf.Timestamp frame_id:string id:stri
 foxglove.SceneUpdate deletions:*foxglove.SceneEntityDeletion entities:*foxglove.SceneEntity
 ";
 
-/// A type's number in `descriptor.proto`; a message's or an enumeration's name stays.
-fn kind(name: &str) -> (u32, Option<String>) {
-    const MESSAGE: u32 = 11;
-    const ENUM: u32 = 14;
-    let number = match name {
-        "double" => 1,
-        "int64" => 3,
-        "int32" => 5,
-        "fixed32" => 7,
-        "bool" => 8,
-        "string" => 9,
-        "bytes" => 12,
-        name => {
-            let is_enum = TYPES.contains(&format!("enum {name} "));
-            let number = if is_enum { ENUM } else { MESSAGE };
-            return (number, Some(format!(".{name}")));
-        }
-    };
-    (number, None)
-}
-
 /// The values of an enumeration.
 fn values(name: &str, words: &str) -> Message {
     let mut all = Message::default();
@@ -92,20 +71,15 @@ fn package(package: &str) -> Vec<Message> {
         message.text(1, name);
         for (number, word) in (1..).zip(fields.split(' ')) {
             let (name, of) = word.split_once(':').unwrap_or((word, "string"));
-            let (kind, type_name) = kind(of.trim_start_matches('*'));
-            let repeated = of.starts_with('*');
-            message.inner(
-                2,
-                &field(
-                    &Field {
-                        name,
-                        number,
-                        kind,
-                        repeated,
-                    },
-                    type_name.as_deref(),
-                ),
-            );
+            let kind = of.trim_start_matches('*');
+            let of = Field {
+                name,
+                number,
+                kind,
+                is_enum: TYPES.contains(&format!("enum {kind} ")),
+                repeated: of.starts_with('*'),
+            };
+            message.inner(2, &field(&of));
         }
         let nested = format!("enum {prefix}{name}.");
         for line in TYPES.lines().filter_map(|l| l.strip_prefix(&nested)) {

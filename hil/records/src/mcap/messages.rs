@@ -2,6 +2,7 @@
 
 use palpate_core::bus::Received;
 use palpate_core::codec::can::CanFrame;
+use palpate_core::contact::Contact;
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Ticks};
 
@@ -95,6 +96,22 @@ impl<'a> Described<'a> for event::Contact {
         visit.whole("contact", &mut self.contact);
         visit.place(["x_mm", "y_mm"], &mut self.place);
         visit.milli("intensity", &mut self.intensity_milli);
+        visit.whole("level", &mut self.level);
+        visit.whole("members", &mut self.members);
+    }
+}
+
+/// A contact with all of its digits, as it crosses a network; the message around it counts the frame.
+impl<'a> Described<'a> for Contact {
+    const NAME: &'static str = "Contact";
+
+    fn fields(&mut self, visit: &mut impl Visit<'a>) {
+        visit.whole("frame", &mut 0_u32);
+        visit.whole("module", &mut self.module);
+        visit.whole("contact", &mut self.id);
+        visit.single("x_mm", &mut self.place.x);
+        visit.single("y_mm", &mut self.place.y);
+        visit.single("intensity", &mut self.intensity);
         visit.whole("level", &mut self.level);
         visit.whole("members", &mut self.members);
     }
@@ -284,9 +301,11 @@ impl<'a> Described<'a> for event::Face {
     }
 }
 
-/// A line of the log, as far as it is read again: a message of Foxglove's.
+/// A line of the log, as far as it is written: a message of Foxglove's.
 #[derive(Default)]
 pub(super) struct Line<'a> {
+    pub timestamp: &'a [u8],
+    pub level: u32,
     pub text: &'a str,
     pub name: &'a str,
 }
@@ -295,8 +314,9 @@ impl<'a> Described<'a> for Line<'a> {
     const NAME: &'static str = "Log";
 
     fn fields(&mut self, visit: &mut impl Visit<'a>) {
-        visit.data("timestamp", FieldKind::Bytes, &mut &[][..]);
-        visit.whole("level", &mut 0_u32);
+        let timestamp = FieldKind::Message("google.protobuf.Timestamp");
+        visit.data("timestamp", timestamp, &mut self.timestamp);
+        visit.whole("level", &mut self.level);
         visit.text("message", &mut self.text);
         visit.text("name", &mut self.name);
     }

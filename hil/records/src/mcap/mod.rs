@@ -17,7 +17,10 @@ mod told;
 mod topics;
 
 pub use container::Attachment;
-pub use described::{Described, FieldKind, Visit, decode};
+pub use described::{
+    Described, FieldKind, MessageField, MessageSchema, Visit, decode, descriptor_set, encode,
+    encoded, full_name,
+};
 pub use foxglove::LOG;
 pub use read::{McapReader, Read, Tear, Unreadable, read};
 pub use told::Told;
@@ -31,10 +34,10 @@ use crate::i2c::Transfer;
 use crate::readings::{ModulePlaces, Readings, TaxelFrame};
 use crate::trace::{self, Event, Header, Trace, event};
 use container::Container;
-use described::{encode, schema};
-use messages::{Angle, BoardMessage, CanMessage, Stimulus};
+use described::schema;
+use messages::{Angle, BoardMessage, CanMessage, Line, Stimulus};
 use proto::Message;
-use scene::Scene;
+use scene::{Scene, stamp};
 use schema::Level;
 use topics::{RunTopics, WireTopics};
 
@@ -255,7 +258,7 @@ impl<W: Write> McapRecording<W> {
     }
 
     fn frame(&mut self, received: &Received) -> io::Result<()> {
-        encode(CanMessage::from(received), &mut self.message);
+        encode(&mut CanMessage::from(received), &mut self.message);
         let t_ns = received.at.as_micros().saturating_mul(1000);
         self.send(self.can, t_ns)
     }
@@ -264,7 +267,7 @@ impl<W: Write> McapRecording<W> {
         let Some(channel) = self.run.as_ref().map(|r| r.i2c) else {
             return Ok(());
         };
-        encode(transfer, &mut self.message);
+        encode(&mut { transfer }, &mut self.message);
         self.send(channel, transfer.start_ns)
     }
 
@@ -272,16 +275,14 @@ impl<W: Write> McapRecording<W> {
         let Some(channel) = self.run.as_ref().map(|r| r.log) else {
             return Ok(());
         };
-        let mut stamp = Message::default();
-        stamp
-            .uint(1, t_ns / 1_000_000_000)
-            .uint(2, t_ns % 1_000_000_000);
-        self.message.clear();
-        self.message
-            .inner(1, &stamp)
-            .uint(2, level as u64)
-            .text(3, text)
-            .text(4, name);
+        let timestamp = stamp(t_ns / 1000);
+        let mut line = Line {
+            timestamp: timestamp.bytes(),
+            level: level as u32,
+            text,
+            name,
+        };
+        encode(&mut line, &mut self.message);
         self.send(channel, t_ns)
     }
 

@@ -52,30 +52,12 @@ impl Message {
         self
     }
 
-    /// Repeated `uint32`, packed.
-    pub fn packed(&mut self, field: u32, values: impl Iterator<Item = u16> + Clone) -> &mut Self {
-        let size = |v: u16| match v {
-            0..0x80 => 1,
-            0x80..0x4000 => 2,
-            _ => 3,
-        };
-        let length: u64 = values.clone().map(size).sum();
-        if length > 0 {
-            self.varint(u64::from(field) << 3 | 2);
-            self.varint(length);
-            values.for_each(|v| self.varint(u64::from(v)));
-        }
-        self
-    }
-
     /// `bytes`.
     pub fn data(&mut self, field: u32, value: &[u8]) -> &mut Self {
-        if !value.is_empty() {
-            self.varint(u64::from(field) << 3 | 2);
-            self.varint(value.len() as u64);
-            self.0.extend(value);
+        if value.is_empty() {
+            return self;
         }
-        self
+        self.part(field, value)
     }
 
     /// `string`.
@@ -83,19 +65,17 @@ impl Message {
         self.data(field, value.as_bytes())
     }
 
-    /// Bytes as they are, for a message that is no message but text: an empty one of those can be written with
-    /// [`Message::inner`].
-    pub fn raw(&mut self, bytes: &[u8]) -> &mut Self {
+    /// Bytes, also none: a value of a repeated field, and a message inside.
+    pub fn part(&mut self, field: u32, bytes: &[u8]) -> &mut Self {
+        self.varint(u64::from(field) << 3 | 2);
+        self.varint(bytes.len() as u64);
         self.0.extend(bytes);
         self
     }
 
     /// A message inside, also an empty one.
     pub fn inner(&mut self, field: u32, message: &Self) -> &mut Self {
-        self.varint(u64::from(field) << 3 | 2);
-        self.varint(message.0.len() as u64);
-        self.0.extend(&message.0);
-        self
+        self.part(field, &message.0)
     }
 }
 
@@ -164,6 +144,13 @@ impl<'a> Fields<'a> {
         };
         Some((field, value))
     }
+}
+
+/// The bytes of a packed field.
+pub fn pack(numbers: impl Iterator<Item = u16>) -> Message {
+    let mut packed = Message::default();
+    numbers.for_each(|number| packed.varint(number.into()));
+    packed
 }
 
 /// The numbers of a packed field; `None` where it is damaged.

@@ -4,7 +4,6 @@
 mod run;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::fmt;
 use std::io::{self, Read as _};
 
 use palpate_core::bus::Received;
@@ -37,18 +36,13 @@ pub struct Read {
 }
 
 /// A place where the file is not what it should be.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("byte {offset}: {what}")]
 pub struct Tear {
     /// Byte of the record that is damaged, or where the file ends.
     pub offset: u64,
     /// What is wrong there.
     pub what: &'static str,
-}
-
-impl fmt::Display for Tear {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "byte {}: {}", self.offset, self.what)
-    }
 }
 
 /// Why nothing can be had of a file: what was expected and what was found.
@@ -399,11 +393,10 @@ impl Contents {
                     Some(Content::Frame) if topic != "/can" => Content::Other,
                     known => known.copied().unwrap_or(Content::Other),
                 };
+                let begin: String = topic.chars().take(60).collect();
                 if let Some(run) = &mut self.run {
-                    run.topics
-                        .extend(Topic::of(&topic).map(|topic| (id, topic)));
+                    run.topics.insert(id, Topic::of(&begin));
                 }
-                let begin = topic.chars().take(60).collect();
                 self.channels.insert(id, (begin, content));
                 Some(())
             }

@@ -1,13 +1,14 @@
 //! What Foxglove draws: the skin's taxels as points, contacts, wires and felt places as shapes, and beside them the
 //! taxels' values as numbers. Pictures come 25 times per second at most; numbers come whole.
 
+use std::array::from_fn;
 use std::io::{self, Write};
 
 use super::container::Container;
-use super::described::schema;
+use super::described::{encode, schema};
 use super::foxglove::{CLOUD, SCENE, TRANSFORM, descriptor};
 use super::messages::TaxelCounts;
-use super::proto::Message;
+use super::proto::{Message, pack};
 use crate::readings::{ModulePlaces, Reading, TaxelFrame};
 use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
@@ -57,7 +58,8 @@ fn mm(um: i32) -> f64 {
     f64::from(um) / 1e3
 }
 
-fn stamp(t_us: u64) -> Message {
+/// A `google.protobuf.Timestamp`.
+pub(super) fn stamp(t_us: u64) -> Message {
     let mut stamp = Message::default();
     stamp
         .uint(1, t_us / 1_000_000)
@@ -258,10 +260,9 @@ impl Scene {
                 break;
             };
             rest = others;
-            message.clear();
-            for axis in 0..4 {
-                message.packed(axis as u32 + 1, own.iter().map(|r| r[axis]));
-            }
+            let counts: [_; 4] = from_fn(|axis| pack(own.iter().map(|r| r[axis])));
+            let mut counts = TaxelCounts(counts.each_ref().map(Message::bytes));
+            encode(&mut counts, &mut message);
             container.message(pad.taxels, t_ns, message.bytes())?;
             if due {
                 let points = points(frame.t_us, &frame_id(module), &pad.places, own);

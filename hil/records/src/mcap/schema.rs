@@ -16,22 +16,46 @@ pub enum Level {
 pub(super) struct Field<'a> {
     pub name: &'a str,
     pub number: u32,
-    /// By its number in `descriptor.proto`.
-    pub kind: u32,
+    /// The word of a scalar, or the full name of a message or an enumeration.
+    pub kind: &'a str,
+    pub is_enum: bool,
     pub repeated: bool,
 }
 
-/// A field's descriptor; messages and enumerations have a name.
-pub(super) fn field(of: &Field<'_>, type_name: Option<&str>) -> Message {
+/// Number of a scalar in `descriptor.proto`; `None` for the name of a message or an enumeration.
+fn scalar(word: &str) -> Option<u32> {
+    Some(match word {
+        "double" => 1,
+        "int64" => 3,
+        "uint64" => 4,
+        "int32" => 5,
+        "fixed32" => 7,
+        "bool" => 8,
+        "string" => 9,
+        "bytes" => 12,
+        "uint32" => 13,
+        _ => return None,
+    })
+}
+
+/// A field's descriptor.
+pub(super) fn field(of: &Field<'_>) -> Message {
     const OPTIONAL: u32 = 1;
     const REPEATED: u32 = 3;
+    const MESSAGE: u32 = 11;
+    const ENUM: u32 = 14;
+    let (kind, type_name) = match scalar(of.kind) {
+        Some(kind) => (kind, String::new()),
+        None if of.is_enum => (ENUM, format!(".{}", of.kind)),
+        None => (MESSAGE, format!(".{}", of.kind)),
+    };
     let mut field = Message::default();
     field
         .text(1, of.name)
         .uint(3, of.number)
         .uint(4, if of.repeated { REPEATED } else { OPTIONAL })
-        .uint(5, of.kind);
-    field.text(6, type_name.unwrap_or_default());
+        .uint(5, kind)
+        .text(6, &type_name);
     field
 }
 

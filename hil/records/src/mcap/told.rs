@@ -43,71 +43,50 @@ impl Told {
     }
 }
 
-/// A topic whose messages say something of the run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Topic {
-    Frames,
-    Contacts,
-    Truth,
-    Felt,
-    Boards,
-    Log,
-    Schedule,
-    Pin(u16),
-    Wire(u16),
-    Skin(u16),
-    Taxels(u16),
+/// A topic by its name.
+#[derive(Clone, Debug)]
+pub(super) struct Topic {
+    /// The name without the number of a wire or module.
+    what: String,
+    number: u16,
 }
 
 impl Topic {
-    /// By its name.
-    pub(super) fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "/frames" => Self::Frames,
-            "/contacts" => Self::Contacts,
-            "/truth" => Self::Truth,
-            "/felt" => Self::Felt,
-            "/boards" => Self::Boards,
-            "/events" => Self::Log,
-            _ => {
-                if let Some(module) = name.strip_prefix("/taxels/") {
-                    return Some(Self::Taxels(module.parse().ok()?));
-                }
-                let (wire, what) = name.strip_prefix("/wire/")?.split_once('/')?;
-                let wire = wire.parse().ok()?;
-                match what {
-                    "schedule" => Self::Schedule,
-                    "pin" => Self::Pin(wire),
-                    "temperature" => Self::Wire(wire),
-                    "skin" => Self::Skin(wire),
-                    _ => return None,
-                }
+    pub(super) fn of(name: &str) -> Self {
+        let (mut what, mut number) = (Vec::new(), 0);
+        for part in name.split('/') {
+            match part.parse() {
+                Ok(of) => number = of,
+                Err(_) => what.push(part),
             }
-        })
+        }
+        let what = what.join("/");
+        Self { what, number }
     }
 
-    /// What a message of it says: `None` for a damaged one, and inside for what another topic says better.
-    pub(super) fn read(self, t_ns: u64, message: &[u8]) -> Option<Option<Told>> {
+    /// What a message of it says: `None` for a damaged one, and inside for what is no event or another topic says better.
+    pub(super) fn read(&self, t_ns: u64, message: &[u8]) -> Option<Option<Told>> {
         let t_us = t_ns / 1000;
         let at = Instant::from_micros(t_us);
-        let event = match self {
-            Self::Frames => Event::Frame(event::Frame {
+        let wire = self.number;
+        let event = match &*self.what {
+            "/frames" => Event::Frame(event::Frame {
                 t_us,
                 ..decode(message)?
             }),
-            Self::Contacts => Event::Contact(event::Contact {
+            "/contacts" => Event::Contact(event::Contact {
                 t_us,
                 ..decode(message)?
             }),
-            Self::Truth => Event::Truth(event::Truth {
+            "/truth" => Event::Truth(event::Truth {
                 t_us,
                 ..decode(message)?
             }),
-            Self::Felt => Event::Felt(event::Felt {
+            "/felt" => Event::Felt(event::Felt {
                 t_us,
                 ..decode(message)?
             }),
-            Self::Boards => match decode(message)? {
+            "/boards" => match decode(message)? {
                 BoardMessage {
                     board,
                     pre_scale,
@@ -119,36 +98,38 @@ impl Topic {
                 }),
                 off => Event::note(at, format!("all off: {}", off.all_off)),
             },
-            Self::Log => match decode(message)? {
+            "/events" => match decode(message)? {
                 Line {
                     text,
                     name: "note" | "texture",
+                    ..
                 } => Event::note(at, text.to_owned()),
                 _ => return Some(None),
             },
-            Self::Schedule => Event::Schedule(stimulus(t_ns, message)?.entry),
-            Self::Pin(wire) => {
+            "/wire/schedule" => Event::Schedule(stimulus(t_ns, message)?.entry),
+            "/wire/pin" => {
                 let event::Edge { high, .. } = decode(message)?;
                 return Some(Some(Told::Pin { t_ns, wire, high }));
             }
-            Self::Wire(wire) => Event::Wire(event::Temperature {
+            "/wire/temperature" => Event::Wire(event::Temperature {
                 t_us,
                 wire,
                 ..decode(message)?
             }),
-            Self::Skin(wire) => Event::Skin(event::Temperature {
+            "/wire/skin" => Event::Skin(event::Temperature {
                 t_us,
                 wire,
                 ..decode(message)?
             }),
-            Self::Taxels(module) => {
+            "/taxels" => {
                 let TaxelCounts([.., relative]) = decode(message)?;
                 return Some(Some(Told::Taxels {
                     t_ns,
-                    module,
+                    module: self.number,
                     relative: packed(relative)?,
                 }));
             }
+            _ => return Some(None),
         };
         Some(Some(Told::Event(event)))
     }

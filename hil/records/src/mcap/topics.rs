@@ -89,7 +89,7 @@ impl RunTopics {
     }
 }
 
-fn put<'a>(of: impl Described<'a>, message: &mut Message, topic: u16) -> Option<u16> {
-    encode(of, message);
+fn put<'a>(mut of: impl Described<'a>, message: &mut Message, topic: u16) -> Option<u16> {
+    encode(&mut of, message);
     Some(topic)
 }

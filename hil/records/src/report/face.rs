@@ -1,6 +1,5 @@
 //! A Peltier module over time: what its face was to be and was, its sink and its current.
 
-use super::figures::line_key;
 use super::scale::Scale;
 use super::series::span;
 use super::timeplot::TimePlot;
@@ -37,7 +36,6 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
     limit
         .into_iter()
         .for_each(|c| upper.bound(c, "bound", "face"));
-    let mut legend = String::new();
     type Of = fn(&event::Face) -> f64;
     let lines: [(Of, &str, &str); 3] = [
         (
@@ -50,8 +48,8 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
     ];
     for (of, class, name) in lines {
         upper.line(name, class, samples.iter().map(|s| (s.t_us, of(s))));
-        line_key(&mut legend, class, name);
     }
+    let legend = upper.legend.clone();
     let (low, high) = span(
         samples
             .iter()

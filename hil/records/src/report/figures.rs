@@ -1,36 +1,11 @@
 //! The figures in their sections, each with its legend below, where it covers no data.
 
-use super::svg::{Plot, escape};
+use super::svg::{Plot, escape, key, line_key, path_key};
 use super::{ReportExtras, paths, series, strip};
 use crate::bursts::bursts;
 use crate::measure;
 use crate::trace::{Trace, event};
 use std::fmt::Write;
-
-/// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
-pub(super) fn key(out: &mut String, shape: &str, text: &str) {
-    let _ = write!(
-        out,
-        "<span><svg viewBox=\"0 0 26 12\">{shape}</svg>{}</span>",
-        escape(text)
-    );
-}
-
-pub(super) fn line_key(out: &mut String, class: &str, text: &str) {
-    key(
-        out,
-        &format!("<line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>"),
-        text,
-    );
-}
-
-pub(super) fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
-    key(
-        out,
-        &format!("<path class=\"{class}\" d=\"{data}\"/>"),
-        text,
-    );
-}
 
 pub(super) fn taxel_key(out: &mut String) {
     let taxel = "<rect class=\"taxel\" x=\"7\" y=\"0\" width=\"12\" height=\"12\"/>";
@@ -150,7 +125,7 @@ pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>
     {
         return;
     }
-    let said = match series::sorted_times(extras.frame_us).is_empty() {
+    let said = match series::times(extras.frame_us).next().is_none() {
         true => "Time per frame was not measured.",
         false => {
             "Measured on this machine, for the whole loop: compression, and stimuli where an onset is due. The first \
@@ -170,14 +145,8 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
     if wires.is_empty() {
         return;
     }
-    let mut legend = String::new();
-    for (slot, wire) in wires.iter().enumerate() {
-        line_key(
-            &mut legend,
-            &format!("series w{slot}"),
-            &format!("wire {wire}"),
-        );
-    }
+    let plot = series::temperatures(trace, &wires);
+    let legend = plot.legend.clone();
     let all = trace.header.wires.len();
     let mut which = String::from(
         "Sampled at each onset, before its burst heats the wire: the peaks within a burst are not drawn.",
@@ -196,7 +165,7 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
         page,
         "<section><h2>Wire temperatures at the onsets</h2><p class=\"sub\">{which}</p>\n{}\
          <div class=\"legend\">{legend}</div></section>",
-        series::temperatures(trace, &wires)
+        plot.finish(2, "")
     );
 }
 

@@ -7,6 +7,7 @@
 mod face;
 mod figures;
 mod hand;
+pub mod page;
 mod paths;
 mod playback;
 pub mod scale;
@@ -24,11 +25,7 @@ use crate::trace::{Source, Trace};
 use crate::verdict::Conclusion;
 pub use hand::{FingerReport, HandReport, Pad, hand_html};
 use std::fmt::Write;
-use svg::escape;
 pub use thermal::Warmth;
-
-/// The style sheet of the pages, light and dark.
-pub const STYLE: &str = include_str!("style.css");
 
 /// What makes the plots of a report answer.
 const SCRIPT: &str = include_str!("page.js");
@@ -71,7 +68,7 @@ pub struct ReportExtras<'a> {
 /// The report as one HTML page.
 pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     let mut page = String::with_capacity(256 * 1024);
-    page_begins(&mut page, trace);
+    page.push_str(&page::head(&tables::title(&trace.header.scene)));
     tables::heading(&mut page, trace);
     tables::verdict(&mut page, trace, extras.conclusion);
     tables::facts(&mut page, trace, extras.made);
@@ -84,29 +81,16 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     figures::schedule(&mut page, trace);
     tables::summary(&mut page, trace, extras);
     tables::events(&mut page, trace);
-    page_ends(&mut page, trace);
-    playback::data(&mut page, trace, extras.readings, [&pad, &display]);
-    let _ = writeln!(page, "<script>\n{SCRIPT}</script></body></html>");
-    page
+    let mut after = String::new();
+    playback::data(&mut after, trace, extras.readings, [&pad, &display]);
+    let _ = write!(after, "<script>\n{SCRIPT}</script>");
+    page + &foot(trace, &after)
 }
 
-/// A page's head, and the start of its body.
-fn page_begins(page: &mut String, trace: &Trace) {
-    let scene = escape(&tables::title(&trace.header.scene));
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>{scene} \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>"
-    );
-}
-
-/// The end of what a page says: which version made it, of what.
-fn page_ends(page: &mut String, trace: &Trace) {
-    let _ = writeln!(
-        page,
-        "<footer>palpate {}, trace version {}, digest of the exact trace {}. {}</footer>\n</main>",
-        env!("CARGO_PKG_VERSION"),
+/// The end of a page: which version made it, of what, and what comes after the content.
+fn foot(trace: &Trace, after: &str) -> String {
+    let words = format!(
+        ", trace version {}, digest of the exact trace {}. {}",
         crate::trace::VERSION,
         trace_digest(trace),
         match trace.header.source {
@@ -115,6 +99,7 @@ fn page_ends(page: &mut String, trace: &Trace) {
             Source::Real => "Real hardware took part; what is felt still comes from a model.",
         }
     );
+    page::foot(&words, after)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Steps of colour from the start of the run to its end.
-pub(super) const HUES: usize = 10;
+const HUES: usize = 10;
 /// Most taxels that are drawn, and that are played; of more, every so many is drawn.
 pub(super) const TAXELS: usize = 4_096;
 const WIDTH: f64 = 540.0;

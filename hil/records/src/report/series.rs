@@ -2,8 +2,10 @@
 
 use super::scale::Scale;
 use super::timeplot::{Pen, TimePlot};
+use crate::frame_time::FrameTime;
 use crate::measure::{length_us, wire_tallies};
 use crate::trace::{Event, Trace, event};
+use palpate_core::statistics::quantile;
 use std::collections::BTreeSet;
 
 /// Most wires with a line of their own.
@@ -18,21 +20,10 @@ pub(super) fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// Time per frame, sorted, without what is no number.
-pub(super) fn sorted_times(frame_us: &[f32]) -> Vec<f64> {
-    let mut times: Vec<f64> = frame_us
-        .iter()
-        .map(|t| f64::from(*t))
-        .filter(|t| t.is_finite() && *t > 0.0)
-        .collect();
-    times.sort_unstable_by(f64::total_cmp);
-    times
-}
-
-/// The value below which the part `q` of sorted values lies.
-pub(super) fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    sorted.get((last as f64 * q).round() as usize).copied()
+/// Times per frame that can be drawn.
+pub(super) fn times(frame_us: &[f32]) -> impl Iterator<Item = f64> {
+    let all = frame_us.iter().map(|t| f64::from(*t));
+    all.filter(|t| t.is_finite() && *t > 0.0)
 }
 
 /// Middle distance of two scans, microseconds.
@@ -49,7 +40,7 @@ pub(super) fn scan_us(trace: &Trace) -> Option<f64> {
         })
         .collect();
     gaps.sort_unstable_by(f64::total_cmp);
-    quantile(&gaps, 0.5)
+    quantile(&gaps, 0.5).map(|middle| middle.above)
 }
 
 /// Taxels in contact and compression time, frame by frame.
@@ -57,7 +48,6 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
     let count = |frame: &event::Frame| (frame.t_us, f64::from(frame.in_contact));
     let counts: Vec<_> = trace.each().map(count).collect();
     let most = counts.iter().map(|c| c.1).fold(0.0, f64::max);
-    let times = sorted_times(frame_us);
     let whole = (0, length_us(trace));
     let y = Scale::round(0.0, most.max(4.0));
     let mut upper = TimePlot::new("Taxels in contact against time", "", 140.0, whole, y);
@@ -68,16 +58,20 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
         .zip(counts.iter().skip(1).chain(counts.last()));
     let steps = held.flat_map(|((t, n), (next, _))| [(*t, *n), (*next, *n)]);
     upper.line("taxels in contact", "series", steps);
-    if times.is_empty() {
+    let (low, high) = span(times(frame_us));
+    if low > high {
         return upper.named().finish(0, "");
     }
-    upper.finish(0, "") + &times_panel(trace, &counts, frame_us, &times)
+    upper.finish(0, "") + &times_panel(trace, &counts, frame_us, (low, high))
 }
 
-fn times_panel(trace: &Trace, counts: &[(u64, f64)], frame_us: &[f32], times: &[f64]) -> String {
+fn times_panel(
+    trace: &Trace,
+    counts: &[(u64, f64)],
+    frame_us: &[f32],
+    (low, high): (f64, f64),
+) -> String {
     let scan = scan_us(trace);
-    let low = times.first().copied().unwrap_or(1.0);
-    let high = times.last().copied().unwrap_or(1.0);
     let y = Scale::decades(low, high.max(scan.unwrap_or(0.0)));
     let whole = (0, length_us(trace));
     let mut plot = TimePlot::new("Time per frame against time", "us", 150.0, whole, y);
@@ -98,7 +92,8 @@ fn times_panel(trace: &Trace, counts: &[(u64, f64)], frame_us: &[f32], times: &[
     if let Some(scan) = scan {
         plot.bound(scan, "bound", &format!("scan {:.1} ms", scan / 1000.0));
     }
-    if let Some(median) = quantile(times, 0.5) {
+    let time = FrameTime::of(frame_us.iter().copied());
+    if let Some(median) = time.map(|t| t.median).filter(|us| *us > 0.0) {
         plot.bound(median, "median", &format!("median {median:.2} us"));
     }
     plot.named().finish(2, "")
@@ -120,7 +115,7 @@ pub(super) fn warm_wires(trace: &Trace) -> Vec<usize> {
 }
 
 /// Wire temperatures against time.
-pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
+pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> TimePlot {
     let mut lines: Vec<Vec<(u64, f64)>> = vec![Vec::new(); wires.len()];
     for event in &trace.events {
         if let Event::Wire(now) = event
@@ -140,5 +135,5 @@ pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
         let class = format!("series w{slot}");
         plot.line(&format!("wire {wire}"), &class, line.into_iter());
     }
-    plot.named().finish(2, "")
+    plot.named()
 }

@@ -3,9 +3,11 @@
 //! Our own, because a page that follows the reader's light or dark setting needs classes where chart
 //! libraries write colours.
 
-use super::STYLE;
 use super::scale::Scale;
 use std::fmt::Write;
+
+/// The style sheet of pages and drawings, light and dark.
+pub(super) const STYLE: &str = include_str!("style.css");
 
 /// Text with everything replaced that means something to HTML.
 pub fn escape(text: &str) -> String {
@@ -98,6 +100,16 @@ impl Svg {
         self.body.push_str("</a>\n");
     }
 
+    /// What is drawn from here on says these words where it is pointed at, until [`Svg::close_words`].
+    pub fn open_words(&mut self, words: &str) {
+        let _ = writeln!(self.body, "<g><title>{}</title>", escape(words));
+    }
+
+    /// The words' part ends here.
+    pub fn close_words(&mut self) {
+        self.body.push_str("</g>\n");
+    }
+
     /// The drawing as text, for a page that has the style sheet.
     pub fn finish(mut self) -> String {
         self.body.push_str("</svg>\n");
@@ -106,10 +118,15 @@ impl Svg {
 
     /// The drawing as a file of its own: with the style sheet and further rules.
     pub fn standalone(self, rules: &str) -> String {
-        let card = "svg{background:var(--card);font-family:system-ui,sans-serif}";
-        let style = format!("\n<style>{STYLE}{card}{rules}</style>\n");
-        self.finish().replacen('\n', &style, 1)
+        standalone(&self.finish(), rules)
     }
+}
+
+/// [`Svg::standalone`] of a drawing that is text already.
+pub fn standalone(drawing: &str, rules: &str) -> String {
+    let card = "svg{background:var(--card);font-family:system-ui,sans-serif}";
+    let style = format!("\n<style>{STYLE}{card}{rules}</style>\n");
+    drawing.replacen('\n', &style, 1)
 }
 
 /// A rectangle with two scales.
@@ -191,6 +208,36 @@ pub fn dot(out: &mut String, (x, y): (f64, f64)) {
     if x.is_finite() && y.is_finite() {
         let _ = write!(out, "M{x:.1} {y:.1}h0");
     }
+}
+
+/// The next point of a path of straight lines.
+pub fn line(out: &mut String, (x, y): (f64, f64)) {
+    let step = if out.is_empty() { 'M' } else { 'L' };
+    let _ = write!(out, "{step}{x:.1} {y:.1}");
+}
+
+/// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
+pub fn key(out: &mut String, shape: &str, text: &str) {
+    let _ = write!(
+        out,
+        "<span><svg viewBox=\"0 0 26 12\">{shape}</svg>{}</span>",
+        escape(text)
+    );
+}
+
+/// The entry of a line.
+pub fn line_key(out: &mut String, class: &str, text: &str) {
+    let line = format!("<line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>");
+    key(out, &line, text);
+}
+
+/// The entry of a path, within 26 pixels by 12.
+pub fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
+    key(
+        out,
+        &format!("<path class=\"{class}\" d=\"{data}\"/>"),
+        text,
+    );
 }
 
 #[cfg(test)]

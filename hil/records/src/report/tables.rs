@@ -1,11 +1,13 @@
 //! Head, summary and the list of events.
 
-use super::series::{quantile, scan_us, sorted_times};
+use super::page::table;
+use super::series::scan_us;
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
 use crate::felt::{decibels, energies, felt_level, felt_scores};
 use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
+use crate::frame_time::FrameTime;
 use crate::margin::used_words;
 use crate::measure::{self, Errors};
 use crate::trace::{Source, Trace, event};
@@ -35,16 +37,7 @@ pub(super) fn verdict(page: &mut String, trace: &Trace, known: Option<&Conclusio
     let mut shown = Conclusion::default();
     shown.add_margins(&trace.ledger.margins);
     let shown = known.unwrap_or(&shown);
-    let _ = writeln!(
-        page,
-        "<p class=\"verdict {}\" role=\"status\"><strong>{}</strong>{}</p>",
-        shown.verdict.key(),
-        shown.verdict.word(),
-        shown.why.iter().fold(String::new(), |mut all, why| {
-            let _ = write!(all, "<span>{}</span>", escape(why));
-            all
-        })
-    );
+    page.push_str(&super::page::verdict(shown.verdict, &shown.why));
 }
 
 /// Name, and whether real.
@@ -190,10 +183,12 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         most.max().unwrap_or(0).to_string(),
         "",
     ));
-    let times = sorted_times(extras.frame_us);
-    let time = |q| quantile(&times, q).map_or_else(|| "\u{2013}".to_owned(), |t| format!("{t:.2}"));
-    rows.push(row("time per frame, median", time(0.5), "us"));
-    let mut p99 = row("time per frame, p99", time(0.99), "us");
+    let times = FrameTime::of(extras.frame_us.iter().copied());
+    let time = |pick: fn(FrameTime) -> f64| {
+        times.map_or_else(|| "\u{2013}".to_owned(), |t| format!("{:.2}", pick(t)))
+    };
+    rows.push(row("time per frame, median", time(|t| t.median), "us"));
+    let mut p99 = row("time per frame, p99", time(|t| t.p99), "us");
     p99.limit = scan_us(trace).map(|us| format!("{us:.0}, one scan"));
     rows.push(p99);
     rows.extend(extras.summary.iter().cloned());
@@ -202,22 +197,24 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
 
 /// What came out, beside what was spent and allowed.
 pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
-    page.push_str(
-        "<div class=\"pair\"><section><h2>Results</h2><table><tr><th>measured</th>\
-         <th class=\"num\">value</th><th>unit</th><th>limit</th></tr>\n",
+    let columns = [
+        ("", "measured"),
+        ("num", "value"),
+        ("", "unit"),
+        ("", "limit"),
+    ];
+    let row = |r: SummaryRow| {
+        (
+            r.over,
+            vec![r.name, r.value, r.unit, r.limit.unwrap_or_default()],
+        )
+    };
+    let rows = results(trace, extras).into_iter().map(row);
+    let _ = writeln!(
+        page,
+        "<div class=\"pair\"><section><h2>Results</h2>{}</section>",
+        table(&columns, rows)
     );
-    for r in results(trace, extras) {
-        let _ = writeln!(
-            page,
-            "<tr{}><td>{}</td><td class=\"num\">{}</td><td>{}</td><td>{}</td></tr>",
-            if r.over { " class=\"over\"" } else { "" },
-            escape(&r.name),
-            escape(&r.value),
-            escape(&r.unit),
-            escape(r.limit.as_deref().unwrap_or(""))
-        );
-    }
-    page.push_str("</table></section>\n");
     ledger(page, trace);
     page.push_str("</div>\n");
 }
@@ -239,11 +236,14 @@ pub(super) fn meter(used: Option<i64>) -> String {
 
 /// Totals, then the margins.
 pub(super) fn ledger(page: &mut String, trace: &Trace) {
-    page.push_str(
-        "<section><h2>Ledger against its limits</h2><table><tr><th>spent</th>\
-         <th class=\"num\">value</th><th>unit</th><th class=\"num\">limit</th><th>used</th></tr>\n",
-    );
-    for f in figures(trace) {
+    let columns = [
+        ("", "spent"),
+        ("num", "value"),
+        ("", "unit"),
+        ("num", "limit"),
+        ("html", "used"),
+    ];
+    let row = |f: &Figure| {
         let used = f.used.map_or_else(String::new, |used| meter(Some(used)));
         let unit = match f.unit.as_str() {
             "C" => "\u{b0}C",
@@ -251,22 +251,20 @@ pub(super) fn ledger(page: &mut String, trace: &Trace) {
             unit => unit,
         };
         let limit = f.limit.map_or_else(String::new, |_| f.text(f.limit));
-        let _ = writeln!(
-            page,
-            "<tr{}><td>{}</td><td class=\"num\">{}</td><td>{unit}</td><td class=\"num\">{limit}</td>\
-             <td>{used}</td></tr>",
-            if f.over { " class=\"over\"" } else { "" },
-            f.name,
-            short(&f),
-        );
-    }
+        let cells = vec![f.name.clone(), short(f), unit.to_owned(), limit, used];
+        (f.over, cells)
+    };
+    let spent = table(&columns, figures(trace).iter().map(row));
     let words = if trace.ledger.margins.is_empty() {
         "Nothing measured what flowed in this run."
     } else {
         "Limits are held against currents that flowed and temperatures that the model of wire and finger \
          reached. The most used up comes first; temperatures count from 33 \u{b0}C."
     };
-    let _ = writeln!(page, "</table><p class=\"sub words\">{words}</p></section>");
+    let _ = writeln!(
+        page,
+        "<section><h2>Ledger against its limits</h2>{spent}<p class=\"sub words\">{words}</p></section>"
+    );
 }
 
 /// Limiter events, breaks, all-off and notes in words.
@@ -277,26 +275,25 @@ pub(super) fn events(page: &mut String, trace: &Trace) {
         page.push_str("<p class=\"sub\">Nothing worth a line happened.</p></section>\n");
         return;
     }
-    page.push_str(
-        "<table><tr><th class=\"num\">from [s]</th><th class=\"num\">to [s]</th><th>kind</th>\
-         <th>what</th></tr>\n",
-    );
-    for h in list.iter().take(EVENTS) {
-        let to = if h.last_us > h.t_us {
-            seconds(h.last_us)
-        } else {
-            String::new()
-        };
-        let _ = writeln!(
-            page,
-            "<tr><td class=\"num\">{}</td><td class=\"num\">{to}</td><td class=\"kind {kind}\">{kind}</td>\
-             <td>{}</td></tr>",
+    let columns = [
+        ("num", "from [s]"),
+        ("num", "to [s]"),
+        ("html", "kind"),
+        ("", "what"),
+    ];
+    let row = |h: &words::Happening| {
+        let to = Some(h.last_us).filter(|last_us| *last_us > h.t_us);
+        let kind = h.kind.word();
+        let kind = format!("<span class=\"kind {kind}\">{kind}</span>");
+        let cells = vec![
             seconds(h.t_us),
-            escape(&h.text),
-            kind = h.kind.word()
-        );
-    }
-    page.push_str("</table>\n");
+            to.map(seconds).unwrap_or_default(),
+            kind,
+            h.text.clone(),
+        ];
+        (false, cells)
+    };
+    page.push_str(&table(&columns, list.iter().take(EVENTS).map(row)));
     if list.len() > EVENTS {
         let _ = writeln!(
             page,

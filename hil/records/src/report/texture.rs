@@ -59,12 +59,11 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
     let label = "Latent coordinates against time";
     let mut upper = TimePlot::new(label, "", 150.0, whole, y);
     upper.y_axis("latent coordinate");
-    let mut legend = String::new();
     for (i, points) in lines.iter().enumerate() {
         let (class, name) = (format!("series w{i}"), format!("z{}", i + 1));
         draw(&mut upper, points, &name, &class);
-        super::figures::line_key(&mut legend, &class, &name);
     }
+    let legend = upper.legend.clone();
     let y = Scale::exact(0.0, 1.0);
     let mut lower = TimePlot::new("Roughness against time", "", 80.0, whole, y);
     lower.y_axis("roughness, 0 to 1");

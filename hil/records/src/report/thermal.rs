@@ -1,8 +1,8 @@
 //! What only an emulated finger tells: how warm it was over time, against the limits of its skin.
 
-use super::figures::line_key;
 use super::scale::Scale;
 use super::series::span;
+use super::svg::line_key;
 use super::timeplot::TimePlot;
 use crate::margin::{Limited, Margin};
 use crate::trace::{Ledger, Trace};
@@ -28,29 +28,17 @@ pub(super) fn section(page: &mut String, trace: &Trace, samples: &[Warmth]) {
     if samples.len() < 2 {
         return;
     }
+    let (skin, wire) = (skin(&trace.ledger, samples), wire(samples));
+    let (mut legend, hottest) = (skin.legend.clone(), wire.legend.clone());
+    line_key(&mut legend, "bound", "limit");
     let _ = writeln!(
         page,
         "<section><h2>Temperatures against their limits</h2><p class=\"sub\">Each point is the highest since the \
          one before, of all wires; the mean is over ten seconds. A wire has no limit of its own.</p>\n\
-         {}{}<div class=\"legend\">{}</div></section>",
-        skin(&trace.ledger, samples),
-        wire(samples),
-        legend()
+         {}{}<div class=\"legend\">{legend}{hottest}</div></section>",
+        skin.finish(2, ""),
+        wire.named().finish(2, "")
     );
-}
-
-fn legend() -> String {
-    let mut legend = String::new();
-    for (class, text) in [
-        ("series w1", "skin at 0.1 mm"),
-        ("series w4", "its mean over 10 s"),
-        ("series w2", "skin at 0.4 mm"),
-        ("bound", "limit"),
-        ("series w0", "hottest wire"),
-    ] {
-        line_key(&mut legend, class, text);
-    }
-    legend
 }
 
 /// A plot that shows at least 33 to 34 degrees C.
@@ -73,7 +61,7 @@ fn micros(t_s: f64) -> u64 {
     (t_s * 1e6).round() as u64
 }
 
-fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
+fn skin(ledger: &Ledger, samples: &[Warmth]) -> TimePlot {
     type Of = fn(&Warmth) -> f64;
     let lines: [(Of, &str, &str); 3] = [
         (|s| s.shallow_c, "w1", "skin at 0.1 mm"),
@@ -110,16 +98,16 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
         let points = samples.iter().map(|s| (micros(s.t_s), of(s)));
         plot.line(name, &format!("series {class}"), points);
     }
-    plot.finish(2, "")
+    plot
 }
 
-fn wire(samples: &[Warmth]) -> String {
+fn wire(samples: &[Warmth]) -> TimePlot {
     let values = samples.iter().map(|s| s.wire_c);
     let named = ("Hottest wire against time", "hottest wire [\u{b0}C]");
     let mut plot = plot(named, 130.0, samples, values, 0.0);
     let points = samples.iter().map(|s| (micros(s.t_s), s.wire_c));
     plot.line("hottest wire", "series w0", points);
-    plot.named().finish(2, "")
+    plot
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! its view box: x in tenths of a millisecond, y downwards in ten-thousandths of the axis.
 
 use super::scale::Scale;
-use super::svg::escape;
+use super::svg::{escape, line_key};
 use std::fmt::Write;
 
 /// Height of an axis, or of a row of the schedule, in units of its paths.
@@ -129,6 +129,8 @@ pub(super) struct TimePlot {
     body: String,
     around: String,
     named: bool,
+    /// An entry for each curve.
+    pub legend: String,
 }
 
 impl TimePlot {
@@ -146,6 +148,7 @@ impl TimePlot {
             body: String::new(),
             around: String::new(),
             named: false,
+            legend: String::new(),
         }
     }
 
@@ -240,8 +243,9 @@ impl TimePlot {
         );
     }
 
-    /// A curve: values against microseconds. `NaN` interrupts it.
+    /// A curve and its entry in the legend: values against microseconds. `NaN` interrupts it.
     pub fn line(&mut self, name: &str, class: &str, points: impl Iterator<Item = (u64, f64)>) {
+        line_key(&mut self.legend, class, name);
         let d = envelope(points.map(|(t, v)| self.at(t, v)), self.column());
         self.path("line", name, class, &d);
     }

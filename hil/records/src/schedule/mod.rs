@@ -4,9 +4,10 @@ mod read;
 
 pub use read::{check_line, read_schedule};
 
-use crate::trace::{DisplayInfo, Event, Header, Source, Trace, event};
+use crate::trace::{DisplayInfo, Event, Header, Trace, event};
 use palpate_core::schedule::Entry;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -15,28 +16,34 @@ pub const VERSION: u32 = 2;
 /// The first one, which is still read: without `pulses` and `period`.
 const WITHOUT_PULSES: u32 = 1;
 
-#[derive(Serialize)]
+/// The first line. A reader takes what every version has, and what a later one added where it is there.
+#[derive(Serialize, Deserialize)]
 struct HeaderLine<'a> {
     version: u32,
     seed: u64,
-    scene_digest: &'a str,
-    limits_digest: &'a str,
-    scene: &'a str,
-    bench: &'a str,
-    source: Source,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    scene_digest: Cow<'a, str>,
+    limits_digest: Cow<'a, str>,
+    #[serde(default)]
+    scene: Cow<'a, str>,
+    #[serde(default)]
+    bench: Cow<'a, str>,
+    #[serde(default)]
+    source: Cow<'a, str>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
     banner: Option<&'static str>,
-    pre_scale: u8,
-    period_ns: u64,
+    pre_scale: Option<u8>,
+    period_ns: Option<u64>,
     /// The clock on EXTCLK; left out for chips on their own oscillators.
     #[serde(skip_serializing_if = "Option::is_none")]
     clock_hz: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     clock_ppm: Option<u32>,
+    #[serde(default)]
     tau_d_us: u64,
+    #[serde(default)]
     soa_us: u64,
     /// Left out where there is one.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
     displays: Vec<DisplayLine<'a>>,
 }
 
@@ -65,14 +72,14 @@ impl<'a> HeaderLine<'a> {
         Self {
             version: VERSION,
             seed: header.seed,
-            scene_digest: &header.scene_digest,
-            limits_digest: &header.limits_digest,
-            scene: &header.scene,
-            bench: &header.bench,
-            source: header.source,
+            scene_digest: (&header.scene_digest).into(),
+            limits_digest: (&header.limits_digest).into(),
+            scene: (&header.scene).into(),
+            bench: (&header.bench).into(),
+            source: header.source.word().into(),
             banner: header.source.banner(),
-            pre_scale: header.pre_scale.get(),
-            period_ns: header.pre_scale.period_ns(),
+            pre_scale: Some(header.pre_scale.get()),
+            period_ns: Some(header.pre_scale.period_ns()),
             clock_hz: clock.tolerance_ppm().map(|_| clock.hz()),
             clock_ppm: clock.tolerance_ppm(),
             tau_d_us: header.tau_d_us,
@@ -103,11 +110,7 @@ enum Record {
         current_ma: Option<u32>,
         reason: Option<&'static str>,
     },
-    PreScale {
-        t_us: u64,
-        board: u8,
-        pre_scale: u8,
-    },
+    PreScale(event::PreScale),
     AllOff {
         t_us: u64,
         board: u8,
@@ -169,64 +172,36 @@ pub fn write_records(events: &[Event], period_ns: u64, mut out: impl Write) -> i
     Ok(())
 }
 
-/// Time, board, how many whole-board records came before at that instant, channel.
+/// Time, board, how many whole-board records have come at that instant, one more than the channel or 0 for a whole board.
 type Key = (u64, u8, u32, u16);
 
 fn sorted(events: &[Event], period_ns: u64) -> Vec<(Key, Record)> {
-    let mut passed: BTreeMap<(u64, u8), u32> = BTreeMap::new();
-    let mut whole_board = |t_us: u64, board: u8| {
-        let count = passed.entry((t_us, board)).or_default();
-        *count += 1;
-        (t_us, board, *count, 0)
-    };
-    let mut barriers: Vec<(usize, Key, Record)> = Vec::new();
-    let mut entries: Vec<(usize, &Entry)> = Vec::new();
-    for (index, event) in events.iter().enumerate() {
-        let (t_us, board, record) = match event {
+    let mut segments: BTreeMap<(u64, u8), u32> = BTreeMap::new();
+    let mut records: Vec<(Key, Record)> = Vec::new();
+    for event in events {
+        // A whole-board record opens its segment.
+        let (t_us, board, place, record) = match event {
             Event::Schedule(entry) => {
-                entries.push((index, entry));
-                continue;
+                let place = u16::from(entry.channel.0) + 1;
+                let record = Record::entry(entry, period_ns);
+                (entry.at.as_micros(), entry.board.0, place, record)
             }
-            &Event::PreScale(event::PreScale {
-                t_us,
-                board,
-                pre_scale,
-            }) => {
-                let record = Record::PreScale {
-                    t_us,
-                    board,
-                    pre_scale,
-                };
-                (t_us, board, record)
-            }
+            &Event::PreScale(set) => (set.t_us, set.board, 0, Record::PreScale(set)),
             &Event::AllOff(event::AllOff { t_us, board, cause }) => {
+                let all_off = cause;
                 let record = Record::AllOff {
                     t_us,
                     board,
-                    all_off: cause,
+                    all_off,
                 };
-                (t_us, board, record)
+                (t_us, board, 0, record)
             }
             _ => continue,
         };
-        barriers.push((index, whole_board(t_us, board), record));
+        let segment = segments.entry((t_us, board)).or_default();
+        *segment += u32::from(place == 0);
+        records.push(((t_us, board, *segment, place), record));
     }
-    let mut at: BTreeMap<(u64, u8), Vec<usize>> = BTreeMap::new();
-    for (index, key, _) in &barriers {
-        at.entry((key.0, key.1)).or_default().push(*index);
-    }
-    let mut records: Vec<(Key, Record)> = Vec::with_capacity(barriers.len() + entries.len());
-    for (index, entry) in entries {
-        let (t_us, board) = (entry.at.as_micros(), entry.board.0);
-        let before = at
-            .get(&(t_us, board))
-            .map_or(0, |indices| indices.iter().filter(|i| **i < index).count());
-        let segment = u32::try_from(before).unwrap_or(u32::MAX);
-        // Channel + 1: a whole-board record opens its segment.
-        let key = (t_us, board, segment, u16::from(entry.channel.0) + 1);
-        records.push((key, Record::entry(entry, period_ns)));
-    }
-    records.extend(barriers.into_iter().map(|(_, key, record)| (key, record)));
     records.sort_by_key(|(key, _)| *key);
     records
 }

@@ -4,37 +4,11 @@ use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Clock, Instant, Milliamps, Prescale, Ticks};
 use serde::Deserialize;
 
-use super::{VERSION, WITHOUT_PULSES};
+use super::{HeaderLine, VERSION, WITHOUT_PULSES};
 use crate::damage::Damage;
 use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo, event};
 
-#[derive(Deserialize)]
-struct HeaderLine {
-    version: u32,
-    seed: u64,
-    scene_digest: String,
-    limits_digest: String,
-    #[serde(default)]
-    scene: String,
-    #[serde(default)]
-    bench: String,
-    #[serde(default)]
-    source: String,
-    #[serde(default)]
-    pre_scale: Option<u8>,
-    #[serde(default)]
-    period_ns: Option<u64>,
-    #[serde(default)]
-    clock_hz: Option<u32>,
-    #[serde(default)]
-    clock_ppm: Option<u32>,
-    #[serde(default)]
-    tau_d_us: u64,
-    #[serde(default)]
-    soa_us: u64,
-}
-
-impl HeaderLine {
+impl HeaderLine<'_> {
     /// The clock on EXTCLK, if there was one and a chip can take it.
     fn external(&self) -> Option<Clock> {
         Clock::external(self.clock_hz?, self.clock_ppm.unwrap_or(0))
@@ -121,11 +95,11 @@ pub fn read_schedule(
     Ok(Trace {
         header: Header {
             source: Source::of(&header.source).unwrap_or(Source::Emulated),
-            scene: header.scene,
-            bench: header.bench,
+            scene: header.scene.into_owned(),
+            bench: header.bench.into_owned(),
             seed: header.seed,
-            scene_digest: header.scene_digest,
-            limits_digest: header.limits_digest,
+            scene_digest: header.scene_digest.into_owned(),
+            limits_digest: header.limits_digest.into_owned(),
             pre_scale,
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
@@ -148,9 +122,9 @@ pub fn read_schedule(
     })
 }
 
-fn header(first: &str) -> Result<HeaderLine, Damage> {
+fn header(first: &str) -> Result<HeaderLine<'static>, Damage> {
     const FIRST: &str = "a schedule's header: {\"version\":2,\"seed\":..}";
-    let header: HeaderLine =
+    let header: HeaderLine<'static> =
         serde_json::from_str(first).map_err(|e| unread(1, FIRST, first, &e))?;
     if ![WITHOUT_PULSES, VERSION].contains(&header.version) {
         let expected = format!("version {VERSION} or {WITHOUT_PULSES}");
@@ -176,7 +150,7 @@ pub fn check_line(number: usize, text: &str) -> Result<u64, Damage> {
 const LONGEST_US: u64 = 2 * 86_400_000_000;
 
 /// Refuses a header that no chip could have played.
-fn check(header: &HeaderLine) -> Result<(), Damage> {
+fn check(header: &HeaderLine<'_>) -> Result<(), Damage> {
     let wrong = |expected: &str, found: String| Err(Damage::of_line(1, expected, &found));
     let least = Prescale::MIN.get();
     if let Some(n) = header.pre_scale.filter(|n| *n < least) {

@@ -12,7 +12,6 @@ mod strip;
 mod table;
 mod text;
 
-pub use of_trace::SurfacePoint;
 pub use table::{Column, Role, Table};
 
 use crate::bursts::Burst;
@@ -187,19 +186,9 @@ impl Story {
     }
 }
 
-/// The golden of a contact path: what the compression made of the touch.
-pub fn contacts_golden(trace: &Trace) -> String {
-    Story::contacts(trace).text()
-}
-
 /// The golden of a schedule: what the wires were told, and what it came to.
 pub fn schedule_golden(trace: &Trace) -> String {
     Story::schedule(trace).text()
-}
-
-/// The golden of a surface over force and speed; `trace` is any of its runs, for what they have in common.
-pub fn surface_golden(trace: &Trace, points: &[SurfacePoint]) -> String {
-    Story::surface(trace, points).text()
 }
 
 #[cfg(test)]

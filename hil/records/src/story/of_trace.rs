@@ -17,23 +17,6 @@ const ROWS: usize = 24;
 /// What stands before the text of a happening on its line.
 const BEFORE_TEXT: usize = 31;
 
-/// One point of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfacePoint {
-    /// Force, N.
-    pub force_n: f64,
-    /// Speed over the skin, mm/s.
-    pub speed_mm_s: f64,
-    /// Largest duty of any wire, thousandths of a percent.
-    pub duty_milli_percent: i64,
-    /// Electrical energy, microjoules.
-    pub energy_uj: u64,
-    /// Felt error, mm RMSE; `None` where nothing was felt.
-    pub felt_mm: Option<f64>,
-    /// Limiter events.
-    pub limited: u32,
-}
-
 impl Story {
     /// Of a run: what the wires were told, and what it came to.
     pub fn schedule(trace: &Trace) -> Self {
@@ -96,32 +79,8 @@ impl Story {
         story
     }
 
-    /// Of many runs over force and speed; `trace` is any of them, for what they have in common.
-    pub fn surface(trace: &Trace, points: &[SurfacePoint]) -> Self {
-        let mut story = Self::begun(GoldenKind::Surface, trace);
-        // Rounded; what is no number or does not fit is the largest one.
-        let thousandths = |v: f64| {
-            milli(if v.is_nan() {
-                i64::MAX
-            } else {
-                (v * 1e3).round() as i64
-            })
-        };
-        story.table.rows.extend(points.iter().map(|p| {
-            vec![
-                thousandths(p.force_n),
-                thousandths(p.speed_mm_s),
-                milli(p.duty_milli_percent),
-                milli_u(p.energy_uj),
-                p.felt_mm.map_or_else(none, thousandths),
-                p.limited.to_string(),
-            ]
-        }));
-        story
-    }
-
-    /// What every kind begins with.
-    fn begun(kind: GoldenKind, trace: &Trace) -> Self {
+    /// What a golden of any kind begins with: title and header, before any table.
+    pub fn begun(kind: GoldenKind, trace: &Trace) -> Self {
         let h = &trace.header;
         let length = seconds(measure::length_us(trace));
         let mut story = Self::empty(kind, one_line(&h.scene), h.source);

@@ -4,6 +4,17 @@ use super::*;
 use crate::synthetic;
 use crate::trace::{Event, PlaceUm, event};
 
+fn contacts_golden(trace: &Trace) -> String {
+    Story::contacts(trace).text()
+}
+
+/// A surface of one point.
+fn surface(trace: &Trace, point: [&str; 6]) -> Story {
+    let mut story = Story::begun(GoldenKind::Surface, trace);
+    story.table.rows.push(point.map(str::to_owned).into());
+    story
+}
+
 fn readable(text: &str) {
     assert!(text.is_ascii());
     assert!(
@@ -59,18 +70,12 @@ fn empty_and_extreme_traces_still_make_goldens() {
 fn a_text_is_read_back_as_the_story_it_was() {
     // Short enough that every burst has its line.
     let trace = synthetic::circle(1);
-    let point = SurfacePoint {
-        force_n: 0.5,
-        speed_mm_s: 7.05,
-        duty_milli_percent: 2_392,
-        energy_uj: u64::MAX,
-        felt_mm: None,
-        limited: u32::MAX,
-    };
+    let energy_mj = "18446744073709551.615";
+    let point = ["0.500", "7.050", "2.392", energy_mj, "-", "4294967295"];
     for story in [
         Story::schedule(&trace),
         Story::contacts(&trace),
-        Story::surface(&trace, &[point]),
+        surface(&trace, point),
     ] {
         assert_eq!(Story::read(&story.text()).unwrap(), story);
     }
@@ -93,15 +98,8 @@ fn a_model_change_leaves_the_contact_golden_alone() {
 
 #[test]
 fn a_surface_is_a_row_a_point() {
-    let point = SurfacePoint {
-        force_n: f64::NAN,
-        speed_mm_s: 7.05,
-        duty_milli_percent: 2_392,
-        energy_uj: 17_000,
-        felt_mm: Some(1.5),
-        limited: 3,
-    };
-    let text = surface_golden(&synthetic::empty(), &[point]);
+    let point = ["0.500", "7.050", "2.392", "17.000", "1.500", "3"];
+    let text = surface(&synthetic::empty(), point).text();
     assert!(text.contains("7.050          2.392       17.000"), "{text}");
 }
 

@@ -1,8 +1,8 @@
 //! What happens in a run: an event is one of these.
 
-use palpate_core::schedule::Entry;
+use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Instant, Point};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// A place in micrometres: origin at the centre, x right, y up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -57,7 +57,7 @@ pub struct EnergyPermille {
 }
 
 /// A complete sensor scan went through the core.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Frame {
     /// End of the scan.
     pub t_us: u64,
@@ -70,7 +70,7 @@ pub struct Frame {
 }
 
 /// A contact the compression found in that frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Contact {
     /// End of the scan.
     pub t_us: u64,
@@ -91,7 +91,7 @@ pub struct Contact {
 }
 
 /// Where something truly touched the skin at the frame's time (emulated skins know).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Truth {
     /// End of the scan.
     pub t_us: u64,
@@ -102,7 +102,7 @@ pub struct Truth {
 }
 
 /// A board's PRE_SCALE was set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PreScale {
     /// When.
     pub t_us: u64,
@@ -113,7 +113,7 @@ pub struct PreScale {
 }
 
 /// Every output of a board was switched off at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct AllOff {
     /// When.
     pub t_us: u64,
@@ -124,7 +124,7 @@ pub struct AllOff {
 }
 
 /// An output changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Edge {
     /// When, nanoseconds.
     pub t_ns: u64,
@@ -137,7 +137,7 @@ pub struct Edge {
 }
 
 /// What a person would feel of one onset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Felt {
     /// The onset.
     pub t_us: u64,
@@ -164,7 +164,7 @@ impl Felt {
 }
 
 /// A temperature at a wire.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Temperature {
     /// When.
     pub t_us: u64,
@@ -175,7 +175,7 @@ pub struct Temperature {
 }
 
 /// A Peltier module under the fingertip.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Face {
     /// When.
     pub t_us: u64,
@@ -190,7 +190,7 @@ pub struct Face {
 }
 
 /// A joint's angle when a scan ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Joint {
     /// End of the scan.
     pub t_us: u64,
@@ -201,7 +201,7 @@ pub struct Joint {
 }
 
 /// A window of texture ended: where it lies in the latent space, and what that asks of the wires.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Latent {
     /// End of the window.
     pub t_us: u64,
@@ -214,7 +214,7 @@ pub struct Latent {
 }
 
 /// Anything worth a line: a fault, a taxel left out, a degraded bus.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Note {
     /// When.
     pub t_us: u64,
@@ -223,7 +223,7 @@ pub struct Note {
 }
 
 /// Something that happened. Times are microseconds since the start of the run unless they say `ns`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub enum Event {
     /// A complete sensor scan went through the core.
     Frame(Frame),
@@ -232,7 +232,7 @@ pub enum Event {
     /// Where something truly touched the skin at the frame's time.
     Truth(Truth),
     /// A channel was given a pulse train, or refused one. The end of one is its `until`; it makes no event.
-    Schedule(Entry),
+    Schedule(#[serde(serialize_with = "plain")] Entry),
     /// A board's PRE_SCALE was set.
     PreScale(PreScale),
     /// Every output of a board was switched off at once.
@@ -253,6 +253,28 @@ pub enum Event {
     Latent(Latent),
     /// Anything worth a line.
     Note(Note),
+}
+
+/// An entry as integers and words.
+fn plain<S: Serializer>(entry: &Entry, serializer: S) -> Result<S::Ok, S::Error> {
+    // Taken apart by pattern: a new field does not compile until it is written.
+    let Entry {
+        at,
+        board,
+        channel,
+        on,
+        off,
+        until,
+        requested,
+        requested_until,
+        current,
+        reason,
+    } = *entry;
+    let times = [at, until, requested_until].map(Instant::as_micros);
+    let ticks = [on, off, requested.get()];
+    let current = current.map(|current| current.0);
+    let reason = reason.map(Reason::word);
+    (times, board.0, channel.0, ticks, current, reason).serialize(serializer)
 }
 
 impl Event {

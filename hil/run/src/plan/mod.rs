@@ -247,7 +247,7 @@ fn view(setup: &Setup, skin: Rect, display: Rect) -> Result<View, Failure> {
                 let expected = format!("a window inside the taxels' hull, {w:.2} mm by {h:.2} mm");
                 bad("map.window_mm", expected)
             }
-            MapError::Degenerate => bad("map.window_mm", e.to_string()),
+            _ => bad("map.window_mm", e.to_string()),
         });
     }
     let stated = map.sensor_mm.map(|[x0, y0, x1, y1]| Rect {

@@ -103,14 +103,8 @@ fn response(bursts: &Bursts, question: &Question) -> FeltResponse {
             threshold.get_or_insert(amplitude * libm::pow(10.0, -db / 20.0));
         }
     }
-    let between = |pair: &[(u16, f32)]| {
-        let [(from, low), (to, high)] = [pair[0], pair[1]];
-        (from..to).map(move |w| low + (high - low) * f32::from(w - from) / f32::from(to - from))
-    };
-    let amplitudes = known.windows(2).flat_map(between);
-    let last = known.last().map(|(_, amplitude)| *amplitude);
     FeltResponse {
-        response: Response::new(amplitudes.chain(last).collect()),
+        response: Response::between(&known),
         threshold: threshold.map_or(f32::INFINITY, |amplitude| amplitude as f32),
     }
 }

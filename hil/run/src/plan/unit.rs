@@ -1,6 +1,5 @@
 //! What host and driver unit make of each other: the stricter of both, in every row.
 
-use palpate_core::codec::link::Hello;
 use palpate_core::guard::{CurrentControl, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
 use palpate_files::Setup;
@@ -10,6 +9,25 @@ use crate::failure::Failure;
 
 /// A row of limits or plant: its name, its unit, its values by the host and by the unit.
 type Row = (&'static str, &'static str, u64, u64);
+
+/// The names and units of [`Limits::rows`].
+const LIMITS: [(&str, &str); 15] = [
+    ("longest pulse", "ns"),
+    ("longest burst", "us"),
+    ("energy of a burst", "nJ"),
+    ("wire over 1 s", "uW"),
+    ("wire over 10 s", "uW"),
+    ("fingertip over 1 s", "uW"),
+    ("fingertip over 60 s", "uW"),
+    ("hand over 60 s", "uW"),
+    ("skin, mean", "millidegrees C"),
+    ("skin, peak", "millidegrees C"),
+    ("skin, deep", "millidegrees C"),
+    ("dose, Omega", "millionths"),
+    ("dose, CEM43", "ms"),
+    ("age of a reading", "us"),
+    ("supply", "mA"),
+];
 
 /// What the loop plays by: the bench's own where no unit was met.
 ///
@@ -85,7 +103,8 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
         return Ok(Vec::new());
     };
     let (limits, plant) = guarded(setup, Some(unit.plant.prescale))?;
-    let lower = limit_rows(&limits, unit);
+    let rows = limits.rows().into_iter().zip(unit.limits.rows());
+    let lower = LIMITS.into_iter().zip(rows);
     let higher = [
         (
             "most current of a pulse, its tolerance included",
@@ -126,69 +145,7 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
             say(row, highest);
         }
     }
-    lower.into_iter().for_each(|row| say(row, lowest));
+    lower.for_each(|((what, by), (host, there))| say((what, by, host, there), lowest));
     higher.into_iter().for_each(|row| say(row, highest));
     Ok(said)
-}
-
-fn limit_rows(host: &Limits, unit: &Hello) -> [Row; 15] {
-    let unit = &unit.limits;
-    let us = |d: palpate_core::units::Duration| d.as_micros();
-    [
-        (
-            "longest pulse",
-            "ns",
-            host.pulse_width_ns,
-            unit.pulse_width_ns,
-        ),
-        ("longest burst", "us", us(host.burst), us(unit.burst)),
-        (
-            "energy of a burst",
-            "nJ",
-            host.burst_energy_nj,
-            unit.burst_energy_nj,
-        ),
-        ("wire over 1 s", "uW", host.wire_1s_uw, unit.wire_1s_uw),
-        ("wire over 10 s", "uW", host.wire_10s_uw, unit.wire_10s_uw),
-        (
-            "fingertip over 1 s",
-            "uW",
-            host.fingertip_1s_uw,
-            unit.fingertip_1s_uw,
-        ),
-        (
-            "fingertip over 60 s",
-            "uW",
-            host.fingertip_60s_uw,
-            unit.fingertip_60s_uw,
-        ),
-        ("hand over 60 s", "uW", host.hand_60s_uw, unit.hand_60s_uw),
-        (
-            "skin, mean",
-            "millidegrees C",
-            host.skin_mean_mc,
-            unit.skin_mean_mc,
-        ),
-        (
-            "skin, peak",
-            "millidegrees C",
-            host.skin_peak_mc,
-            unit.skin_peak_mc,
-        ),
-        (
-            "skin, deep",
-            "millidegrees C",
-            host.skin_deep_mc,
-            unit.skin_deep_mc,
-        ),
-        (
-            "dose, Omega",
-            "millionths",
-            host.dose_omega_ppm,
-            unit.dose_omega_ppm,
-        ),
-        ("dose, CEM43", "ms", host.dose_cem43_ms, unit.dose_cem43_ms),
-        ("age of a reading", "us", us(host.stale), us(unit.stale)),
-        ("supply", "mA", host.supply.0.into(), unit.supply.0.into()),
-    ]
 }

@@ -2,15 +2,14 @@
 //! What they share, boards, buses and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
-use palpate_core::skin::{Layout, SkinSource};
+use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{Fault, Gate};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
-use super::{Run, part};
+use super::{Run, look_on, part};
 use crate::actuator_bus::ActuatorBus;
-use crate::any_skin::AnySkin;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effects::Faultable;
 use crate::failure::Failure;
@@ -24,7 +23,7 @@ use crate::session::{Session, TICK, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
 use crate::verdict::STOPPED_BY;
-use crate::{Beginning, BusReport, Host, Outcome, TurnView};
+use crate::{Beginning, Host, Outcome};
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger {
@@ -55,7 +54,7 @@ impl Finger {
     }
 
     /// A turn, if one is due; something that ends it ends no other finger.
-    fn turn(&mut self, now: Instant, skin: &mut AnySkin<'_>) -> Result<(), Failure> {
+    fn turn(&mut self, now: Instant, skin: &mut dyn SkinEnd) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
         }
@@ -96,38 +95,10 @@ impl Finger {
         Ok(())
     }
 
-    /// Shows its turn to the host; whether the host wants no more.
-    fn show(
-        &mut self,
-        display: usize,
-        now: Instant,
-        skin: &AnySkin<'_>,
-        host: &mut dyn Host,
-    ) -> bool {
-        if !host.looks_on() {
-            return false;
-        }
-        let (_, recorder, look) = self.session.look();
-        host.turn(&TurnView {
-            now,
-            display,
-            events: &recorder.events,
-            counts: recorder.counts.as_deref().unwrap_or_default(),
-            buses: &|| skin.buses().iter().map(BusReport::words).collect(),
-            state: &|wants| look.state(wants),
-        })
-    }
-
     /// Everything of it off at `now`, once.
     fn end(&mut self, now: Instant) {
-        if std::mem::replace(&mut self.ended, true) {
-            return;
-        }
-        if let Err(e) = self.session.switch_off(now)
-            && self.session.failure().is_none()
-        {
-            self.session.lose(&e);
-            self.session.set_failure(Failure::Device(e.to_string()));
+        if !std::mem::replace(&mut self.ended, true) {
+            self.session.conclude(now);
         }
     }
 }
@@ -137,7 +108,7 @@ impl Run<'_> {
     pub(super) fn several(
         &self,
         levels: &Levels,
-        mut skin: AnySkin<'_>,
+        skin: &mut dyn SkinEnd,
         truth: &Truth,
         end: Instant,
         host: &mut dyn Host,
@@ -183,7 +154,7 @@ impl Run<'_> {
         });
         stagger(self.setup, loops.collect())?;
         let hardware = Hardware {
-            skin: &mut skin,
+            skin: &mut *skin,
             buses: &mut buses,
             script: Script::new(self.of_skin(), self.layout),
             events: Vec::new(),
@@ -232,7 +203,7 @@ impl Run<'_> {
     fn play(
         &self,
         fingers: &mut [Finger],
-        mut hardware: Hardware<'_, '_>,
+        mut hardware: Hardware<'_>,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Instant, Common), Failure> {
@@ -273,7 +244,7 @@ impl Run<'_> {
             for &number in &order {
                 let finger = &mut fingers[number];
                 finger.turn(now, hardware.skin)?;
-                is_stopped |= finger.show(number, now, hardware.skin, host);
+                is_stopped |= look_on(&finger.session, (now, number), hardware.skin, host);
             }
             if is_stopped {
                 let text = format!("{STOPPED_BY}the person who watched");
@@ -295,15 +266,15 @@ impl Run<'_> {
 }
 
 /// What the fingers have in common, and the scene's faults of it.
-struct Hardware<'a, 's> {
-    skin: &'a mut AnySkin<'s>,
+struct Hardware<'a> {
+    skin: &'a mut dyn SkinEnd,
     buses: &'a mut [ActuatorBus],
     /// The skin's faults.
     script: Script,
     events: Vec<Event>,
 }
 
-impl Hardware<'_, '_> {
+impl Hardware<'_> {
     /// Lets faults begin and end that are due at `now`; with `last` those that are on end. Returns when the next one is due.
     fn fail(&mut self, now: Instant, last: bool) -> Instant {
         let mut bench = Faultable {

@@ -1,24 +1,15 @@
 //! Groups of numbers: middles, intervals by bootstrap, and whether two of them differ.
 
 use palpate_core::random::RandomStream;
+use palpate_core::statistics::{median, quantile};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
 use crate::compare::test;
+use crate::quest::Estimate;
 
 /// Samples that are drawn anew for an interval.
 const DRAWS: usize = 2000;
-
-/// A number with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Within {
-    /// The number.
-    pub value: f64,
-    /// 2.5 % of samples drawn anew lie below.
-    pub low: f64,
-    /// 2.5 % lie above.
-    pub high: f64,
-}
 
 /// Two groups of people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,26 +29,13 @@ pub struct Comparison {
     /// Probability of a difference at least as large if there is none.
     pub p: f64,
     /// Rank-biserial correlation, 2 U / (n m) - 1: 1 where all of the second are larger.
-    pub effect: Within,
+    pub effect: Estimate,
     /// Difference of the medians.
-    pub difference: Within,
+    pub difference: Estimate,
 }
 
-/// The value below which a part of sorted values lies, between neighbours.
-#[must_use]
-pub fn quantile(sorted: &[f64], part: f64) -> f64 {
-    let place = part.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
-    let at = |index: f64| sorted.get(index as usize).copied().unwrap_or(f64::NAN);
-    let (low, high) = (at(libm::floor(place)), at(libm::ceil(place)));
-    low + (high - low) * (place - libm::floor(place))
-}
-
-/// The median of numbers; not a number of none.
-#[must_use]
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    quantile(&sorted, 0.5)
+fn middle(values: &[f64]) -> f64 {
+    median(values.iter().copied()).unwrap_or(f64::NAN)
 }
 
 fn drawn(values: &[f64], random: &mut RandomStream) -> Vec<f64> {
@@ -68,7 +46,7 @@ fn drawn(values: &[f64], random: &mut RandomStream) -> Vec<f64> {
 /// A figure of groups, and the middle 95 % of it over groups that are drawn anew from them, each by itself (percentile
 /// bootstrap, Efron 1979). `None` for an empty group.
 #[must_use]
-pub fn bootstrap(groups: &[&[f64]], figure: impl Fn(&[Vec<f64>]) -> f64) -> Option<Within> {
+fn bootstrap(groups: &[&[f64]], figure: impl Fn(&[Vec<f64>]) -> f64) -> Option<Estimate> {
     if groups.is_empty() || groups.iter().any(|group| group.is_empty()) {
         return None;
     }
@@ -84,11 +62,17 @@ pub fn bootstrap(groups: &[&[f64]], figure: impl Fn(&[Vec<f64>]) -> f64) -> Opti
         })
         .collect();
     figures.sort_unstable_by(f64::total_cmp);
-    Some(Within {
+    Some(Estimate {
         value: figure(&own),
-        low: quantile(&figures, 0.025),
-        high: quantile(&figures, 0.975),
+        low: quantile(&figures, 0.025)?.between(),
+        high: quantile(&figures, 0.975)?.between(),
     })
+}
+
+/// A group's median with its interval. `None` for an empty group.
+#[must_use]
+pub fn median_within(values: &[f64]) -> Option<Estimate> {
+    bootstrap(&[values], |anew| middle(&anew[0]))
 }
 
 /// The rank-biserial correlation of two groups, by counting pairs.
@@ -119,21 +103,21 @@ pub fn compared(
         first: first.into(),
         second: second.into(),
         counts: groups.map(<[f64]>::len),
-        medians: groups.map(median),
+        medians: groups.map(middle),
         u,
         p,
         effect: bootstrap(&groups, |anew| effect(&anew[0], &anew[1]))?,
-        difference: bootstrap(&groups, |anew| median(&anew[1]) - median(&anew[0]))?,
+        difference: bootstrap(&groups, |anew| middle(&anew[1]) - middle(&anew[0]))?,
     })
 }
 
 /// The part of answers that are yes, with its exact 95 % interval (Clopper and Pearson 1934).
 #[must_use]
-pub fn proportion(yes: u64, all: u64) -> Option<Within> {
+pub fn proportion(yes: u64, all: u64) -> Option<Estimate> {
     let (n, k) = (all as f64, yes as f64);
     let edge = |a: f64, b: f64, part: f64| Beta::new(a, b).ok().map(|beta| beta.inverse_cdf(part));
     (all > 0 && yes <= all).then_some(())?;
-    Some(Within {
+    Some(Estimate {
         value: k / n,
         low: if yes == 0 {
             0.0
@@ -162,14 +146,6 @@ pub fn sign_test(yes: u64, all: u64) -> f64 {
 #[allow(clippy::float_cmp)] // these are exact
 mod tests {
     use super::*;
-
-    #[test]
-    fn middles_are_between_neighbours() {
-        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert!(median(&[]).is_nan());
-        assert_eq!(quantile(&[0.0, 10.0], 0.25), 2.5);
-    }
 
     /// Against SciPy 1.17.1: `binomtest(7, 20).proportion_ci(method="exact")` and `binomtest(7, 20).pvalue`.
     #[test]

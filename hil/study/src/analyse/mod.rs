@@ -6,17 +6,18 @@ mod tables;
 
 use std::collections::BTreeMap;
 
-use palpate_files::Protocol;
+use palpate_core::statistics::{mean, median};
+use palpate_files::{Protocol, TaskKind};
 use serde::Serialize;
 
-pub use groups::{Comparison, Within, bootstrap, compared, median, proportion, sign_test};
+pub use groups::{Comparison, compared, median_within, proportion, sign_test};
 pub use paths::{PathError, compare_paths};
 pub use tables::{AnalysisTable, tables};
 
 use crate::psychometric::Psychometric;
 use crate::quest::Estimate;
 use crate::record::{Record, RecordError};
-use crate::session::{Answer, TaskKind};
+use crate::session::Answer;
 
 /// Everything that a study's records say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +39,7 @@ pub struct Analysis {
     /// How often a wire was taken for another: of each wire that was played, answers by the wire nearest to them.
     pub confusion: Vec<Vec<u32>>,
     /// Median distance between a wire and where it was felt, mm.
-    pub localisation_mm: Option<Within>,
+    pub localisation_mm: Option<Estimate>,
 }
 
 /// One of them.
@@ -98,9 +99,9 @@ pub struct Drawn {
     /// Drawings.
     pub drawings: usize,
     /// Of [`PathError::rmse_mm`].
-    pub rmse_mm: Option<Within>,
+    pub rmse_mm: Option<Estimate>,
     /// Of [`PathError::frechet_mm`].
-    pub frechet_mm: Option<Within>,
+    pub frechet_mm: Option<Estimate>,
     /// Mean of breaks marked per drawing.
     pub breaks: f64,
 }
@@ -115,7 +116,7 @@ pub struct Rated {
     /// Each person's mean, sorted.
     pub values: Vec<f64>,
     /// Their median.
-    pub median: Option<Within>,
+    pub median: Option<Estimate>,
 }
 
 /// Which of two.
@@ -124,7 +125,7 @@ pub struct Chosen {
     /// The pair.
     pub pair: [String; 2],
     /// How often its second was chosen, of all people's answers.
-    pub part: Option<Within>,
+    pub part: Option<Estimate>,
     /// People who chose the second more often, people who chose the first more often.
     pub people: [u64; 2],
     /// Probability of so uneven a number of people where they have no preference (sign test).
@@ -201,9 +202,8 @@ pub fn analyse(protocol: &Protocol, records: &[Record]) -> Result<Analysis, Reco
 fn participant(protocol: &Protocol, record: &Record) -> Result<Participant, RecordError> {
     use crate::session::{Reply, Step};
     let session = record.resumed(protocol.clone())?;
-    let estimates = session.estimates();
-    let of = |task: TaskKind, found: Vec<(u16, Estimate)>| -> Vec<OfWire> {
-        let wires = found.into_iter();
+    let of = |task: TaskKind| -> Vec<OfWire> {
+        let wires = session.estimates(task).into_iter();
         let whole = wires.map(|(wire, estimate)| OfWire {
             wire,
             estimate,
@@ -254,9 +254,9 @@ fn participant(protocol: &Protocol, record: &Record) -> Result<Participant, Reco
             .replies()
             .filter(|said| matches!(said.reply, Reply::Void(_)))
             .count(),
-        thresholds: of(TaskKind::AbsoluteThreshold, estimates.absolute),
-        differences: of(TaskKind::Difference, estimates.difference),
-        matches: of(TaskKind::Matching, estimates.matching),
+        thresholds: of(TaskKind::AbsoluteThreshold),
+        differences: of(TaskKind::Difference),
+        matches: of(TaskKind::Matching),
         answers,
         drawings: drawings.collect(),
     })
@@ -303,15 +303,14 @@ fn ratings(protocol: &Protocol, records: &[Record]) -> Vec<Rated> {
                         }
                         _ => None,
                     });
-                let values: Vec<f64> = ours.map(f64::from).collect();
-                (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+                mean(ours.map(f64::from))
             };
             let mut values: Vec<f64> = records.iter().filter_map(of_person).collect();
             values.sort_unstable_by(f64::total_cmp);
             rated.push(Rated {
                 scale: scale.name.clone(),
                 condition: condition.clone(),
-                median: bootstrap(&[&values], |anew| median(&anew[0])),
+                median: median_within(&values),
                 values,
             });
         }
@@ -353,23 +352,21 @@ fn drawn(participants: &[Participant]) -> Vec<Drawn> {
         let ours = || all.clone().filter(|d| d.condition == condition);
         let person = |p: &Participant, figure: fn(&PathError) -> f64| {
             let own = p.drawings.iter().filter(|d| d.condition == condition);
-            let own: Vec<f64> = own.map(|d| figure(&d.error)).collect();
-            (!own.is_empty()).then(|| median(&own))
+            median(own.map(|d| figure(&d.error)))
         };
         let over = |figure: fn(&PathError) -> f64| {
             let each: Vec<f64> = participants
                 .iter()
                 .filter_map(|p| person(p, figure))
                 .collect();
-            bootstrap(&[&each], |anew| median(&anew[0]))
+            median_within(&each)
         };
-        let count = ours().count();
         Drawn {
             condition: condition.into(),
-            drawings: count,
+            drawings: ours().count(),
             rmse_mm: over(|e| e.rmse_mm),
             frechet_mm: over(|e| e.frechet_mm),
-            breaks: ours().map(|d| d.error.breaks as f64).sum::<f64>() / count.max(1) as f64,
+            breaks: mean(ours().map(|d| d.error.breaks as f64)).unwrap_or(0.0),
         }
     };
     conditions.into_iter().map(of).collect()
@@ -411,7 +408,7 @@ fn choices(protocol: &Protocol, records: &[Record]) -> Vec<Chosen> {
 }
 
 /// Which wire was taken for which, and how far off.
-fn places(records: &[Record]) -> (Vec<Vec<u32>>, Option<Within>) {
+fn places(records: &[Record]) -> (Vec<Vec<u32>>, Option<Estimate>) {
     let mut confusion = Vec::new();
     let mut medians = Vec::new();
     for record in records {
@@ -433,9 +430,9 @@ fn places(records: &[Record]) -> (Vec<Vec<u32>>, Option<Within>) {
                 off.push(away(&wires[usize::from(wire)], *place));
             }
         }
-        medians.extend((!off.is_empty()).then(|| median(&off)));
+        medians.extend(median(off));
     }
-    let over = bootstrap(&[&medians], |anew| median(&anew[0]));
+    let over = median_within(&medians);
     let any = over.is_some();
     (if any { confusion } else { Vec::new() }, over)
 }

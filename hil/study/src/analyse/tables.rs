@@ -1,6 +1,11 @@
 //! The analysis as tables, for one's own statistics.
 
-use super::{Analysis, Chosen, Comparison, Rated, Within};
+use std::fmt::Display;
+
+use palpate_files::TaskKind;
+
+use super::{Analysis, Chosen, Comparison, Rated};
+use crate::quest::Estimate;
 
 /// A table of an analysis.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,10 +18,17 @@ pub struct AnalysisTable {
     pub rows: Vec<Vec<String>>,
 }
 
-fn within(of: Option<&Within>) -> [String; 3] {
-    of.map_or_else(Default::default, |w| {
-        [w.value, w.low, w.high].map(|v| v.to_string())
-    })
+/// The cells of a row.
+fn row(cells: &[&dyn Display]) -> Vec<String> {
+    cells.iter().map(|cell| cell.to_string()).collect()
+}
+
+/// The same with those of an estimate behind them, which are empty where there is none.
+fn with_estimate(cells: &[&dyn Display], of: Option<&Estimate>) -> Vec<String> {
+    let estimate = of.map_or_else(Default::default, |e| {
+        [e.value, e.low, e.high].map(|v| v.to_string())
+    });
+    row(cells).into_iter().chain(estimate).collect()
 }
 
 /// Each table that has rows.
@@ -57,26 +69,18 @@ pub fn tables(of: &Analysis) -> Vec<AnalysisTable> {
 fn levels(of: &Analysis) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for person in &of.participants {
-        let tasks = [
-            ("absolute_threshold", &person.thresholds),
-            ("difference", &person.differences),
-            ("matching", &person.matches),
-        ];
-        for (task, wire) in tasks
-            .iter()
-            .flat_map(|(task, found)| found.iter().map(move |w| (task, w)))
-        {
-            let e = wire.estimate;
-            let trials: u32 = wire.levels.iter().map(|(.., all)| all).sum();
-            rows.push(vec![
-                person.number.to_string(),
-                (*task).to_owned(),
-                wire.wire.to_string(),
-                e.value.to_string(),
-                e.low.to_string(),
-                e.high.to_string(),
-                trials.to_string(),
-            ]);
+        for (task, found) in [
+            (TaskKind::AbsoluteThreshold, &person.thresholds),
+            (TaskKind::Difference, &person.differences),
+            (TaskKind::Matching, &person.matches),
+        ] {
+            rows.extend(found.iter().map(|wire| {
+                let trials: u32 = wire.levels.iter().map(|(.., all)| all).sum();
+                let cells: [&dyn Display; 3] = [&person.number, &task.name(), &wire.wire];
+                let mut cells = with_estimate(&cells, Some(&wire.estimate));
+                cells.push(trials.to_string());
+                cells
+            }));
         }
     }
     rows
@@ -85,59 +89,48 @@ fn levels(of: &Analysis) -> Vec<Vec<String>> {
 fn drawings(of: &Analysis) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for person in &of.participants {
-        for d in &person.drawings {
-            rows.push(vec![
-                person.number.to_string(),
-                d.trial.to_string(),
-                d.condition.clone(),
-                d.error.rmse_mm.to_string(),
-                d.error.lag.to_string(),
-                d.error.frechet_mm.to_string(),
-                d.error.breaks.to_string(),
-            ]);
+        for drawing in &person.drawings {
+            let e = &drawing.error;
+            let mut cells = row(&[&person.number, &drawing.trial, &drawing.condition]);
+            cells.extend(row(&[&e.rmse_mm, &e.lag, &e.frechet_mm, &e.breaks]));
+            rows.push(cells);
         }
     }
     rows
 }
 
 fn ratings(of: &Analysis) -> Vec<Vec<String>> {
-    let row = |r: &Rated| {
-        let people = r.values.len().to_string();
-        let mut cells = vec![r.scale.clone(), r.condition.clone(), people];
-        cells.extend(within(r.median.as_ref()));
-        cells
+    let cells = |r: &Rated| {
+        let people = r.values.len();
+        with_estimate(&[&r.scale, &r.condition, &people], r.median.as_ref())
     };
-    of.ratings.iter().map(row).collect()
+    of.ratings.iter().map(cells).collect()
 }
 
 fn comparisons(of: &Analysis) -> Vec<Vec<String>> {
-    let row = |c: &Comparison| {
-        let mut cells = vec![c.of.clone(), c.first.clone(), c.second.clone()];
-        cells.extend(c.counts.map(|n| n.to_string()));
-        cells.extend([c.u.to_string(), c.p.to_string()]);
-        cells.extend(within(Some(&c.effect)));
-        cells
+    let cells = |c: &Comparison| {
+        let [first, second] = &c.counts;
+        let cells: [&dyn Display; 7] = [&c.of, &c.first, &c.second, first, second, &c.u, &c.p];
+        with_estimate(&cells, Some(&c.effect))
     };
-    of.comparisons.iter().map(row).collect()
+    of.comparisons.iter().map(cells).collect()
 }
 
 fn choices(of: &Analysis) -> Vec<Vec<String>> {
-    let row = |c: &Chosen| {
-        let mut cells = c.pair.to_vec();
-        cells.extend(within(c.part.as_ref()));
-        cells.extend(c.people.map(|n| n.to_string()));
-        cells.push(c.p.to_string());
+    let cells = |c: &Chosen| {
+        let ([first, second], [people_second, people_first]) = (&c.pair, &c.people);
+        let mut cells = with_estimate(&[first, second], c.part.as_ref());
+        cells.extend(row(&[people_second, people_first, &c.p]));
         cells
     };
-    of.choices.iter().map(row).collect()
+    of.choices.iter().map(cells).collect()
 }
 
 fn confusion(of: &Analysis) -> Vec<Vec<String>> {
-    let mut rows = Vec::new();
-    for (wire, counts) in of.confusion.iter().enumerate() {
-        for (other, count) in counts.iter().enumerate() {
-            rows.push(vec![wire.to_string(), other.to_string(), count.to_string()]);
-        }
-    }
-    rows
+    let wires = of.confusion.iter().enumerate();
+    let all = wires.flat_map(|(wire, counts)| {
+        let others = counts.iter().enumerate();
+        others.map(move |(other, count)| row(&[&wire, &other, count]))
+    });
+    all.collect()
 }

@@ -1,7 +1,9 @@
 //! The trial of a line of the script: what it plays, at which level, and what it asks.
 
+use palpate_files::TaskKind;
+
 use super::script::{Cue, Line};
-use super::trial::{Ask, Stimulus, TaskKind, Trial};
+use super::trial::{Ask, Stimulus, Trial};
 use super::{Session, raised};
 
 /// What is played, what is asked, and which interval counts as yes, before intervals change places.
@@ -20,12 +22,8 @@ impl Session {
     pub(super) fn trial(&self, cue: Cue, at: usize, strongest: bool) -> Trial {
         let before = self.script[..at].iter();
         let number = before.filter(|line| matches!(line, Line::Trial(_))).count() as u32 + 1;
-        let method = match cue.task {
-            TaskKind::AbsoluteThreshold => self.absolute.get(cue.thing),
-            TaskKind::Difference => self.difference.get(cue.thing),
-            TaskKind::Matching => self.matching.get(cue.thing),
-            _ => None,
-        };
+        let method = self.methods.get(&cue.task);
+        let method = method.and_then(|of_wires| of_wires.get(cue.thing));
         let level_db = method.map(|method| match strongest || cue.practice {
             true => method.most(),
             false => method.next().unwrap_or(method.most()),

@@ -8,14 +8,16 @@ mod order;
 mod script;
 mod trial;
 
-use palpate_files::Protocol;
+use std::collections::BTreeMap;
+
+use palpate_files::{Protocol, TaskKind};
 use serde::{Deserialize, Serialize};
 
 use crate::quest::Estimate;
 use crate::threshold::Thresholding;
 
 use script::{Line, script};
-pub use trial::{Answer, AnswerError, Ask, Sample, Stimulus, TaskKind, Trial};
+pub use trial::{Answer, AnswerError, Ask, Sample, Stimulus, Trial};
 
 /// What a participant, or the bench, says to a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,21 +63,9 @@ pub struct Session {
     /// Of the trial that is open, how often it was begun before.
     attempt: u32,
     declined: bool,
-    absolute: Vec<Thresholding>,
-    difference: Vec<Thresholding>,
-    matching: Vec<Thresholding>,
+    /// Of each task whose levels follow from answers, by its wires.
+    methods: BTreeMap<TaskKind, Vec<Thresholding>>,
     step: Step,
-}
-
-/// A participant's estimates so far, by task and wire.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimates {
-    /// Least level that is felt of each wire, dB of full drive.
-    pub absolute: Vec<(u16, Estimate)>,
-    /// Least difference that is felt on each wire, as a part of the amplitude, dB.
-    pub difference: Vec<(u16, Estimate)>,
-    /// Level at which each wire feels as strong as the reference, dB of full drive.
-    pub matching: Vec<(u16, Estimate)>,
 }
 
 /// How much more than `level_db` an amplitude is that is larger by a part of it, dB.
@@ -87,27 +77,28 @@ impl Session {
     /// A participant's session from its beginning. Participants count from 1.
     #[must_use]
     pub fn new(protocol: Protocol, participant: u32, seed: u64) -> Self {
-        let absolute = protocol.absolute_threshold.iter().flat_map(|task| {
-            let one = move |_: &u16| Thresholding::absolute(task.method, task.trials);
-            task.wires.iter().map(one)
-        });
-        let difference = protocol.difference.iter().flat_map(|task| {
-            let one =
-                move |_: &u16| Thresholding::difference(task.method, task.trials, task.level_db);
-            task.wires.iter().map(one)
-        });
-        let matching = protocol.matching.iter().flat_map(|task| {
-            let one = move |_: &u16| Thresholding::matching(task.trials);
-            task.wires.iter().map(one)
+        let absolute = protocol.absolute_threshold.as_ref();
+        let absolute = absolute.map(|t| Thresholding::absolute(t.method, t.trials));
+        let difference = protocol.difference.as_ref();
+        let difference =
+            difference.map(|t| Thresholding::difference(t.method, t.trials, t.level_db));
+        let matching = protocol.matching.as_ref();
+        let matching = matching.map(|t| Thresholding::matching(t.trials));
+        let methods = [
+            (TaskKind::AbsoluteThreshold, absolute),
+            (TaskKind::Difference, difference),
+            (TaskKind::Matching, matching),
+        ];
+        let methods = methods.into_iter().filter_map(|(task, method)| {
+            let wires = protocol.wires(task).len();
+            Some((task, vec![method?; wires]))
         });
         let mut session = Self {
             script: script(&protocol, participant, seed),
             at: 0,
             attempt: 0,
             declined: false,
-            absolute: absolute.collect(),
-            difference: difference.collect(),
-            matching: matching.collect(),
+            methods: methods.collect(),
             step: Step::Done,
             protocol,
         };
@@ -147,27 +138,13 @@ impl Session {
         cues.collect()
     }
 
-    /// Estimates of the answers so far.
+    /// What the answers so far say of each wire of a task, dB of full drive: the least level that is felt, or the level that
+    /// feels as strong as the reference. Of `difference` it is the least part of the amplitude that is felt, dB.
     #[must_use]
-    pub fn estimates(&self) -> Estimates {
-        let of = |wires: Option<&Vec<u16>>, found: &[Thresholding]| {
-            let wires = wires.into_iter().flatten().copied();
-            wires
-                .zip(found.iter().map(Thresholding::threshold))
-                .collect()
-        };
-        let protocol = &self.protocol;
-        Estimates {
-            absolute: of(
-                protocol.absolute_threshold.as_ref().map(|t| &t.wires),
-                &self.absolute,
-            ),
-            difference: of(
-                protocol.difference.as_ref().map(|t| &t.wires),
-                &self.difference,
-            ),
-            matching: of(protocol.matching.as_ref().map(|t| &t.wires), &self.matching),
-        }
+    pub fn estimates(&self, task: TaskKind) -> Vec<(u16, Estimate)> {
+        let found = self.methods.get(&task).into_iter().flatten();
+        let wires = self.protocol.wires(task).iter().copied();
+        wires.zip(found.map(Thresholding::threshold)).collect()
     }
 
     /// Whether this is a reply to the present step.
@@ -232,13 +209,9 @@ impl Session {
             return;
         };
         let yes = trial.right == Some(*chosen);
-        let found = match trial.task {
-            TaskKind::AbsoluteThreshold => &mut self.absolute,
-            TaskKind::Difference => &mut self.difference,
-            TaskKind::Matching => &mut self.matching,
-            _ => return,
-        };
-        found[cue.thing].answer(level_db, yes);
+        if let Some(of_wires) = self.methods.get_mut(&trial.task) {
+            of_wires[cue.thing].answer(level_db, yes);
+        }
     }
 
     fn found(&self) -> Step {

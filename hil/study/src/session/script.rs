@@ -1,10 +1,9 @@
 //! Everything that comes in a session, in its order: a function of protocol, participant and seed.
 
 use palpate_core::random::RandomStream;
-use palpate_files::{Groups, Protocol};
+use palpate_files::{Groups, Protocol, TaskKind};
 
 use super::order::{ordered, shuffle};
-use super::trial::TaskKind;
 
 /// A step of the script. What a trial plays may follow from answers; that it comes does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +57,11 @@ pub(super) fn script(protocol: &Protocol, participant: u32, seed: u64) -> Vec<Li
             .then_some(Line::Instructions),
     );
     let mut since_break = 0;
-    for (task, things, repeats) in tasks(protocol, participant) {
+    for (task, count, repeats) in protocol.tasks() {
+        let things = match task {
+            TaskKind::Rating => met(protocol, participant),
+            _ => (0..count).collect(),
+        };
         if things.is_empty() {
             continue;
         }
@@ -90,42 +93,4 @@ pub(super) fn script(protocol: &Protocol, participant: u32, seed: u64) -> Vec<Li
     }
     lines.extend(questions(true));
     lines
-}
-
-/// The tasks of a protocol: the numbers of their things, and how often each comes.
-fn tasks(protocol: &Protocol, participant: u32) -> Vec<(TaskKind, Vec<usize>, u32)> {
-    let all = |things: usize| (0..things).collect::<Vec<_>>();
-    let Protocol {
-        absolute_threshold,
-        difference,
-        matching,
-        localisation,
-        drawing,
-        rating,
-        choice,
-        ..
-    } = protocol;
-    let mut tasks = Vec::new();
-    if let Some(t) = absolute_threshold {
-        tasks.push((TaskKind::AbsoluteThreshold, all(t.wires.len()), t.trials));
-    }
-    if let Some(t) = difference {
-        tasks.push((TaskKind::Difference, all(t.wires.len()), t.trials));
-    }
-    if let Some(t) = matching {
-        tasks.push((TaskKind::Matching, all(t.wires.len()), t.trials));
-    }
-    if let Some(t) = localisation {
-        tasks.push((TaskKind::Localisation, all(t.wires.len()), t.repeats));
-    }
-    if let Some(t) = drawing {
-        tasks.push((TaskKind::Drawing, all(t.conditions.len()), t.repeats));
-    }
-    if let Some(t) = rating {
-        tasks.push((TaskKind::Rating, met(protocol, participant), t.repeats));
-    }
-    if let Some(t) = choice {
-        tasks.push((TaskKind::Choice, all(t.pairs.len()), t.repeats));
-    }
-    tasks
 }

@@ -1,48 +1,12 @@
 //! What a trial plays, what it asks, and what may be answered.
 
-use palpate_files::RatingScale;
+use palpate_files::{RatingScale, TaskKind};
 use serde::{Deserialize, Serialize};
 
 /// Longest drawing, points: ten minutes at 120 Hz.
 const MOST_POINTS: usize = 72_000;
 /// Farthest from the display's middle that a person can point, mm.
 const FARTHEST_MM: f64 = 500.0;
-
-/// A task, by its name in files and data.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TaskKind {
-    /// The least that is felt.
-    AbsoluteThreshold,
-    /// The least difference that is felt.
-    Difference,
-    /// Wires that feel alike.
-    Matching,
-    /// Where it was felt.
-    Localisation,
-    /// The path that was felt.
-    Drawing,
-    /// Ratings from 1 to 6.
-    Rating,
-    /// Which of two.
-    Choice,
-}
-
-impl TaskKind {
-    /// Its name in files and data.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AbsoluteThreshold => "absolute_threshold",
-            Self::Difference => "difference",
-            Self::Matching => "matching",
-            Self::Localisation => "localisation",
-            Self::Drawing => "drawing",
-            Self::Rating => "rating",
-            Self::Choice => "choice",
-        }
-    }
-}
 
 /// What one interval of a trial plays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

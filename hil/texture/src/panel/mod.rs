@@ -8,6 +8,7 @@ mod trials;
 
 use std::sync::Arc;
 
+use palpate_core::statistics::mean;
 use palpate_core::texture::Drivers;
 use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS, bare_finger};
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
@@ -143,7 +144,7 @@ impl<'a> Session<'a> {
             }
             bare
         });
-        let driven = trials.iter().map(|t| t.driven).sum::<f64>() / trials.len().max(1) as f64;
+        let driven = mean(trials.iter().map(|t| t.driven)).unwrap_or(0.0);
         Ok(Rated {
             name: name.to_owned(),
             driven,

@@ -2,7 +2,7 @@
 //! what a person makes of the wires' motion.
 
 use palpate_core::contact::Levels;
-use palpate_core::driver::Actuators;
+use palpate_core::driver::{Actuators, Driver};
 use palpate_core::projector::{Carrier, Output};
 use palpate_core::texture::{Control, ControlMap, Drivers, along};
 use palpate_core::units::{Duration, Instant, Point};

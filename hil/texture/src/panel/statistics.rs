@@ -1,5 +1,6 @@
 //! Ratings in figures: boxes, and the Mann-Whitney U test as scipy computes it.
 
+use palpate_core::statistics::{Quantile, quantile};
 use serde::Serialize;
 use statrs::stats_tests::Alternative;
 use statrs::stats_tests::mannwhitneyu::{MannWhitneyUMethod, mannwhitneyu};
@@ -26,20 +27,15 @@ impl Box5 {
     pub fn of(ratings: &[u8]) -> Option<Self> {
         let mut sorted = ratings.to_vec();
         sorted.sort_unstable();
-        let last = sorted.len().checked_sub(1)?;
-        let quantile = |part: f64| {
-            let at = part * last as f64;
-            let (low, high) = (sorted[at.floor() as usize], sorted[at.ceil() as usize]);
-            f64::from(low) + (at - at.floor()) * (f64::from(high) - f64::from(low))
-        };
-        let (q1, q3) = (quantile(0.25), quantile(0.75));
+        let at = |part| quantile(&sorted, part).map(Quantile::between);
+        let (q1, median, q3) = (at(0.25)?, at(0.5)?, at(0.75)?);
         let reach = 1.5 * (q3 - q1);
         let within = |r: &u8| (q1 - reach..=q3 + reach).contains(&f64::from(*r));
         let inside: Vec<u8> = sorted.iter().copied().filter(within).collect();
         Some(Self {
             low: inside.first().map_or(q1, |r| f64::from(*r).min(q1)),
             q1,
-            median: quantile(0.5),
+            median,
             q3,
             high: inside.last().map_or(q3, |r| f64::from(*r).max(q3)),
             outliers: sorted.into_iter().filter(|r| !within(r)).collect(),

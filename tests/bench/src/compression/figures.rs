@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{
     DRIFT_S, Force, Path as TouchPath, PathKind, Scene, Setup, THRESHOLD_FLOOR, ThresholdFrom,
-    Touch,
+    Timing, Touch,
 };
-use palpate_hil::recording::{Reading, recorded};
+use palpate_live::recording::{Reading, recorded};
 use palpate_records::trace::{Event, event};
 use palpate_run::{Failure, Input, Outcome};
 
@@ -291,6 +291,18 @@ fn one_module(
     panels::fullest(findings, &name, &title, (outcome, clusters));
 }
 
+/// Rows of our own header that come at this rate, Hz.
+fn at_rate(hz: f64) -> Reading {
+    let timing = Timing {
+        rate_hz: Some(hz),
+        ..Timing::default()
+    };
+    Reading {
+        timing,
+        ..Reading::default()
+    }
+}
+
 /// The same from a real finger.
 fn recording(findings: &mut Findings) -> Result<(), Failure> {
     let Some(trial) = trial() else {
@@ -303,14 +315,14 @@ fn recording(findings: &mut Findings) -> Result<(), Failure> {
     let case = "figure 4.5 recorded grasp";
     for kc in CLUSTERS {
         let setup = recorded_setup(kc)?;
-        let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(RECORDED_HZ))?;
+        let (input, _) = recorded(&paths, &setup.sensor.value, &at_rate(RECORDED_HZ))?;
         sweep.add((findings, case), kc, run(&setup, &input)?, &ALL);
     }
     let title = "Figure 4.5 from a recording: a gripper's finger on a box";
     let words = "Contacts of all frames of one trial of the uSkin grasp recordings.";
     map(findings, "figure-4-5-recorded", title, words, sweep.places);
     let setup = recorded_setup(1)?;
-    let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(RECORDED_HZ))?;
+    let (input, _) = recorded(&paths, &setup.sensor.value, &at_rate(RECORDED_HZ))?;
     let outcome = panels::kept(&setup, &input)?;
     one_module(findings, "-recorded", ", recorded", &outcome, &sweep.runs);
     let fast = Series::new("recorded 4x4", Mark::Swept, sweep.speeds);

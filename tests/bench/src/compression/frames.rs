@@ -5,8 +5,8 @@ use std::time::Duration;
 use palpate_core::contact::{Compressor, Scope, Settings};
 use palpate_core::skin::{Layout, Module};
 
-use palpate_hil::parallel;
 use palpate_run::Failure;
+use rayon::prelude::*;
 
 use crate::findings::{Findings, NO_ERROR};
 use crate::plot::{Axis, Mark, Plot, Series};
@@ -129,7 +129,9 @@ fn time(case: &Case<'_>, layout: &Layout) -> Result<f64, Failure> {
         let mut compress = || {
             if initialiser.advance(scan, &mut frame)? || !compressor.repeat() {
                 if case.parallel {
-                    parallel::compress(&mut compressor, &frame)?;
+                    compressor.compress_with(&frame, |scopes, locate| {
+                        scopes.par_iter_mut().for_each(locate);
+                    })?;
                 } else {
                     compressor.compress(&frame)?;
                 }

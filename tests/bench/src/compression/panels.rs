@@ -4,10 +4,11 @@
 use std::collections::BTreeMap;
 
 use palpate_files::Setup;
-use palpate_hil::host::Onlooker;
+use palpate_live::host;
+use palpate_live::views::Wanted;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Event, event};
-use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, run_with};
+use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
 
 use crate::findings::Findings;
 use crate::plot::{Axis, Mark, Plot, Series};
@@ -22,13 +23,13 @@ const DRAWN: usize = 4;
 /// A run that keeps every taxel's readings.
 ///
 /// # Errors
-/// As [`run_with`].
+/// As [`host::run`].
 pub(super) fn kept(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
     let keep = Keep {
         readings: KeptReadings::All,
         ..Keep::default()
     };
-    run_with(setup, input, 1, keep, &mut Onlooker::default())
+    host::run(setup, input, 1, keep, Wanted::default())
 }
 
 /// Taxels in contact of every frame, by its time in microseconds.

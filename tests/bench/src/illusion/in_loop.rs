@@ -93,8 +93,7 @@ fn scene(name: &str) -> Result<Loaded<Scene>, Failure> {
         shipped => return Ok(load_scene(shipped)?),
     };
     let source = Source::new(format!("{name}.toml"), text);
-    let value = Scene::read(&source)?;
-    Ok(Loaded { value, source })
+    Ok(Loaded::read(source)?)
 }
 
 impl Case {

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::json;
 
-use palpate_hil::output::write_file;
+use palpate_live::output::write_file;
 use palpate_run::Failure;
 use palpate_texture::onnx;
 

@@ -8,7 +8,7 @@ use palpate_core::texture::{Control, Draw, Pulses};
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Prescale, Ticks};
 
 use palpate_files::{Setup, load_activation};
-use palpate_hil::clock;
+use palpate_live::clock;
 use palpate_run::{Failure, plan};
 
 use crate::findings::{Findings, NO_ERROR};

@@ -8,8 +8,6 @@ use crate::time::Nanos;
 
 /// Recessive bits before a node comes back from bus-off (128 times 11).
 const RECOVERY: u32 = 128 * 11;
-/// Errors kept for [`CanSegment::take_error`].
-const ERRORS_KEPT: usize = 1024;
 
 impl CanSegment {
     /// Restarts a node from bus-off by hand; it takes part again after 128 times 11 bits.
@@ -43,7 +41,7 @@ impl CanSegment {
 
     /// Counts a destroyed frame against everyone.
     pub(super) fn fail(&mut self, t: &Transmission, error: ErrorClass) {
-        self.note(error, t.sender);
+        self.statistics.errors[error as usize] += 1;
         // An error-passive sender without an acknowledgement stays where it is: it may be alone.
         let alone =
             error == ErrorClass::Ack && self.nodes[t.sender].confinement() == Confinement::Passive;
@@ -60,14 +58,6 @@ impl CanSegment {
             if !sends && error != ErrorClass::Ack {
                 self.nodes[n].rec = (self.nodes[n].rec + 1).min(255);
             }
-        }
-    }
-
-    /// Records an error in a frame of node `n`.
-    pub(super) fn note(&mut self, error: ErrorClass, n: usize) {
-        self.statistics.errors[error as usize] += 1;
-        if self.errors.len() < ERRORS_KEPT {
-            self.errors.push_back((self.now, error, NodeId(n)));
         }
     }
 

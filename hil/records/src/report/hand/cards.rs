@@ -5,7 +5,9 @@ use std::fmt::Write;
 use super::drawing::contacts;
 use super::{FingerReport, HandReport, link};
 use crate::felt::{felt_level, felt_scores};
+use crate::margin::Margin;
 use crate::measure::path_error;
+use crate::report::page::table;
 use crate::report::svg::escape;
 use crate::report::tables::meter;
 use crate::trace::{Event, event};
@@ -42,24 +44,20 @@ fn card(page: &mut String, hand: &HandReport<'_>, finger: &FingerReport<'_>) {
             "<tr><td>{name}</td><td class=\"num\">{value}</td><td>{unit}</td></tr>"
         );
     }
-    page.push_str(
-        "</table>\n<table><tr><th>limit</th><th class=\"num\">worst</th><th>used</th></tr>",
-    );
-    for margin in finger.trace.ledger.margins.iter().take(LIMITS) {
-        let _ = writeln!(
-            page,
-            "<tr{}><td>{}</td><td class=\"num\">{:.1} {}</td><td>{}</td></tr>",
-            if margin.over() { " class=\"over\"" } else { "" },
-            margin.of.name(),
-            margin.worst(),
-            match margin.of.unit() {
-                "C" => "\u{b0}C",
-                unit => unit,
-            },
-            meter(margin.used_milli_percent())
-        );
-    }
-    page.push_str("</table></section>\n");
+    page.push_str("</table>\n");
+    let columns = [("", "limit"), ("num", "worst"), ("html", "used")];
+    let row = |margin: &Margin| {
+        let unit = match margin.of.unit() {
+            "C" => "\u{b0}C",
+            unit => unit,
+        };
+        let worst = format!("{:.1} {unit}", margin.worst());
+        let used = meter(margin.used_milli_percent());
+        let cells = vec![margin.of.name().to_owned(), worst, used];
+        (margin.over(), cells)
+    };
+    let margins = finger.trace.ledger.margins.iter().take(LIMITS);
+    let _ = writeln!(page, "{}</section>", table(&columns, margins.map(row)));
 }
 
 /// Modules, wires and boards of a finger in words.

@@ -6,10 +6,10 @@ use super::skeleton::{Digit, Hand, hands};
 use super::{FingerReport, HandReport, link};
 use crate::felt::felt_level;
 use crate::measure::{length_us, path_error};
-use crate::report::figures::{RAMP, break_key, line_key, taxel_key};
+use crate::report::figures::{RAMP, break_key, taxel_key};
 use crate::report::paths::{TAXELS, felt, mm, pitch, touched};
 use crate::report::scale::Scale;
-use crate::report::svg::{Plot, Svg};
+use crate::report::svg::{Plot, Svg, line_key};
 use crate::trace::event;
 
 const WIDTH: f64 = 560.0;

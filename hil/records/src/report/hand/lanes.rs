@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::{FingerReport, HandReport};
 use crate::measure::length_us;
-use crate::report::figures::{key, path_key};
 use crate::report::scale::Scale;
+use crate::report::svg::{key, path_key};
 use crate::report::timeplot::{Pen, SPAN, TimePlot, tenth_ms};
 use crate::trace::{Event, FeltAt, event};
 

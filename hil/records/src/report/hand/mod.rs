@@ -8,7 +8,7 @@ mod skeleton;
 
 use std::fmt::Write;
 
-use super::{page_begins, page_ends, tables};
+use super::{foot, page, tables};
 use crate::trace::Trace;
 use crate::verdict::Conclusion;
 
@@ -65,7 +65,7 @@ pub struct HandReport<'a> {
 /// The page of a hand, which needs no other file; it links to the fingers' own pages.
 pub fn hand_html(hand: &HandReport<'_>) -> String {
     let mut page = String::with_capacity(512 * 1024);
-    page_begins(&mut page, hand.trace);
+    page.push_str(&page::head(&tables::title(&hand.trace.header.scene)));
     tables::heading(&mut page, hand.trace);
     tables::verdict(&mut page, hand.trace, Some(hand.conclusion));
     drawing::section(&mut page, hand);
@@ -77,9 +77,7 @@ pub fn hand_html(hand: &HandReport<'_>) -> String {
     tables::facts(&mut page, hand.trace, hand.made);
     page.push_str("</section></div>\n");
     tables::events(&mut page, hand.trace);
-    page_ends(&mut page, hand.trace);
-    page.push_str("</body></html>\n");
-    page
+    page + &foot(hand.trace, "")
 }
 
 /// A file's name as a link from a page beside it.

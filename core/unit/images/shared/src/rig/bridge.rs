@@ -7,16 +7,9 @@ use palpate_core::units::{Duration, Instant};
 use super::{Kind, Outcome, Rig, Wires};
 
 /// A bridge that is not reached: the rig is gone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the rig's bridge is gone")]
 pub struct Gone;
-
-impl core::fmt::Display for Gone {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the rig's bridge is gone")
-    }
-}
-
-impl core::error::Error for Gone {}
 
 /// The bridge of the rig's Peltier module, and its thermistors.
 #[derive(Debug)]

@@ -1,0 +1,81 @@
+//! Figures of many numbers: where a part of them lies, and their mean. Health, summaries, reports and studies all
+//! count ranks as here.
+
+use alloc::vec::Vec;
+
+/// Where a part of sorted values lies: on one of them, or between two neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantile<T> {
+    /// The last value up to there.
+    pub below: T,
+    /// The first value from there on.
+    pub above: T,
+    /// The way from the one to the other, 0 to 1.
+    pub way: f64,
+}
+
+/// Where a part (0 to 1) of sorted values lies: the first is at 0, the last at 1, and all are equally far apart. `None`
+/// of none.
+pub fn quantile<T: Copy>(sorted: &[T], part: f64) -> Option<Quantile<T>> {
+    let place = part.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
+    let whole = libm::floor(place);
+    Some(Quantile {
+        below: *sorted.get(whole as usize)?,
+        above: *sorted.get(libm::ceil(place) as usize)?,
+        way: place - whole,
+    })
+}
+
+impl<T: Into<f64>> Quantile<T> {
+    /// The value there, linearly between the neighbours.
+    pub fn between(self) -> f64 {
+        let (below, above) = (self.below.into(), self.above.into());
+        below + (above - below) * self.way
+    }
+}
+
+/// The median of values in any order, between the two in the middle. `None` of none.
+pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    quantile(&sorted, 0.5).map(Quantile::between)
+}
+
+/// The mean, summed in the order of the values. `None` of none.
+pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut count = 0_usize;
+    let sum: f64 = values.into_iter().inspect(|_| count += 1).sum();
+    (count > 0).then(|| sum / count as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn middles_are_between_neighbours() {
+        assert_eq!(median([3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median([4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median([]), None);
+        let quarter = quantile(&[0_u8, 10], 0.25).unwrap();
+        assert_eq!((quarter.below, quarter.above, quarter.way), (0, 10, 0.25));
+        assert_eq!(quarter.between(), 2.5);
+    }
+
+    #[test]
+    fn ends_and_samples_are_found_exactly() {
+        let sorted: Vec<f32> = (1..=101).map(|n| n as f32).collect();
+        for (part, value) in [
+            (-1.0, 1.0),
+            (0.0, 1.0),
+            (0.5, 51.0),
+            (1.0, 101.0),
+            (2.0, 101.0),
+        ] {
+            let found = quantile(&sorted, part).unwrap();
+            assert_eq!((found.below, found.above), (value, value), "{part}");
+        }
+        assert_eq!(quantile::<f64>(&[], 0.5), None);
+        assert_eq!([mean([]), mean([1.0, 2.0, 6.0])], [None, Some(3.0)]);
+    }
+}

@@ -1,0 +1,119 @@
+//! A bench's emulated display whose bus is served: its chips, when their outputs change, and what flows in its wires.
+
+use palpate_core::codec::pca9685::{FULL, LED0_ON_L};
+use palpate_core::units::Instant;
+use palpate_emulators::display::i2c::I2cSegment;
+use palpate_emulators::display::pca9685::{Pca9685, Pin};
+use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::{OutputEdge, WornDisplay};
+use palpate_files::Setup;
+use palpate_run::display_end::{self, OutputEnable};
+use palpate_run::{Failure, plan};
+
+use super::record::{Flowed, PinEdge};
+
+/// The chips with wires on a finger, on a time line that others set.
+pub(crate) struct ServedDisplay {
+    pub(crate) worn: WornDisplay,
+    /// 7-bit addresses of the chips, by number.
+    addresses: Vec<u8>,
+    flowed: Flowed,
+    /// When an output last changed, or the line that cuts all of them.
+    last_edge: Nanos,
+    /// Whether the line on the chips' OE pins is high.
+    cut: bool,
+}
+
+impl ServedDisplay {
+    /// Chips at rest.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a display that cannot be.
+    pub(crate) fn new(setup: &Setup) -> Result<Self, Failure> {
+        Ok(Self {
+            worn: display_end::emulated(setup, plan::display(setup)?.wires())?,
+            addresses: plan::boards(&setup.bench.value),
+            flowed: Flowed::of(&setup.bench.value.outputs),
+            last_edge: Nanos::ZERO,
+            cut: false,
+        })
+    }
+
+    /// Lets time pass until `now`. Every edge goes to `tell`, dated by a clock that stood at `epoch_ns` when this time line
+    /// began.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] if the emulator contradicts itself; the first failure of `tell`.
+    pub(crate) fn advance(
+        &mut self,
+        now: Nanos,
+        epoch_ns: u64,
+        mut tell: impl FnMut(PinEdge) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let (addresses, flowed) = (&self.addresses, &mut self.flowed);
+        let last_edge = &mut self.last_edge;
+        let mut told = Ok(());
+        let advanced = self.worn.advance(now, &mut |edge: OutputEdge| {
+            *last_edge = edge.at;
+            let edge = PinEdge {
+                t_ns: epoch_ns + edge.at.0,
+                chip: addresses.get(usize::from(edge.board)).map_or(0, |a| *a),
+                channel: edge.channel,
+                high: edge.high,
+            };
+            flowed.edge(&edge);
+            if told.is_ok() {
+                told = tell(edge);
+            }
+        });
+        advanced.map_err(|e| Failure::Device(format!("emulated display: {e}")))?;
+        told
+    }
+
+    /// The level of the line on the chips' OE pins from `now` on; high cuts.
+    pub(super) fn set_output_enable(&mut self, now: Nanos, cut: bool) {
+        let at = Instant::from_micros(now.as_micros());
+        OutputEnable::set_enabled(&self.worn, at, !cut);
+        (self.last_edge, self.cut) = (now, cut);
+    }
+
+    /// When the last transfer has ended on the emulated wire, and how many there were.
+    pub(super) fn transfers(&self) -> (Nanos, u64) {
+        let look = |s: &mut I2cSegment| (s.now(), s.transactions());
+        self.worn.bus().with(look).unwrap_or_default()
+    }
+
+    /// When an output last changed or a transfer ended, whichever is later.
+    pub(super) fn changed(&self) -> Nanos {
+        self.last_edge.max(self.transfers().0)
+    }
+
+    /// Of each chip: its address, and whether it drives or is going to drive an output.
+    pub(crate) fn driving(&self) -> Vec<(u8, bool)> {
+        let state = |chip: &Pca9685| (chip.config().address, drives(chip, self.cut));
+        let look = |s: &mut I2cSegment| s.chips().iter().map(state).collect();
+        self.worn.bus().with(look).unwrap_or_default()
+    }
+
+    /// What has flowed so far.
+    pub(crate) fn flowed(&mut self) -> Flowed {
+        self.flowed.totals(&self.worn.totals());
+        let sum = |s: &mut I2cSegment| s.chips().iter().map(Pca9685::hazard_count).sum();
+        self.flowed.hazards = self.worn.bus().with(sum).unwrap_or_default();
+        self.flowed.clone()
+    }
+}
+
+/// Whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with
+/// a pulse.
+fn drives(chip: &Pca9685, cut: bool) -> bool {
+    let high = chip.pins().contains(&Pin::High);
+    high || !cut
+        && chip.is_running()
+        && (0..16).any(|channel| {
+            let [on_l, on_h, off_l, off_h] =
+                [0, 1, 2, 3].map(|byte| chip.register(LED0_ON_L + 4 * channel + byte));
+            let off = off_h & FULL != 0;
+            !off && (on_h & FULL != 0 || (on_l, on_h) != (off_l, off_h))
+        })
+}

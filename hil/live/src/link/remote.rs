@@ -1,0 +1,393 @@
+//! A driver unit over UDP, as its host drives it in real time.
+
+use std::net::SocketAddr;
+use std::time::Duration as Patience;
+
+use palpate_buses::datagrams::{Datagrams, address, is_closed};
+use palpate_buses::guardian::Latch;
+use palpate_buses::pacer::RunClock;
+use palpate_core::codec::link::{
+    Buffer, Header, Hello, Key, Kind, MOST, Refusal, State, Status, VERSION,
+};
+use palpate_core::driver::{
+    Actuators, Driver, DriverError, Traffic, UnitDriver, UnitFault, UnitSettings,
+};
+use palpate_core::guard::Guarded;
+use palpate_core::units::{Board, Duration, Instant};
+use palpate_files::{Bench, Loaded};
+use palpate_records::trace::Event;
+use palpate_run::Failure;
+use palpate_run::unit::UnitReport;
+
+use super::key;
+
+/// How long a unit may take to answer, and another host to be gone.
+const PATIENCE: Duration = Duration::from_millis(2000);
+/// How long it may take to say that everything is off.
+const OFF: Duration = Duration::from_millis(500);
+/// How long a computer may take to say that a port is closed.
+const CLOSED: Patience = Patience::from_millis(300);
+/// Between two looks at the socket.
+const LOOK: Duration = Duration::from_micros(500);
+
+/// Where a unit is, and the key that is shared with it.
+#[derive(Clone)]
+pub struct UnitPlace {
+    /// As the user named it.
+    pub name: String,
+    /// Where datagrams go.
+    pub at: SocketAddr,
+    /// The key.
+    pub key: [u8; 32],
+}
+
+impl UnitPlace {
+    /// The unit of a bench; `None` for a bench without one that is there.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an address or key file that is none.
+    pub fn of(bench: &Loaded<Bench>) -> Result<Option<Self>, Failure> {
+        let (Some(name), Some(path)) = (bench.value.unit_address(), bench.unit_key()) else {
+            return Ok(None);
+        };
+        let at = address(name).map_err(|expected| {
+            let expected = expected.trim_start_matches("expected ");
+            Failure::File(bench.source.bad("unit.address", expected))
+        })?;
+        Ok(Some(Self {
+            name: name.into(),
+            at,
+            key: key::read(&path)?,
+        }))
+    }
+
+    /// The stop that outlives a run on this unit.
+    pub fn latch(&self) -> Latch {
+        Latch::of(format!("unit-{}", self.at).as_ref())
+    }
+}
+
+/// A unit over UDP.
+pub struct RemoteUnit {
+    place: UnitPlace,
+    key: Key,
+    clock: RunClock,
+    socket: Datagrams,
+    driver: UnitDriver,
+    reading: Option<Instant>,
+    state: State,
+    boards: u8,
+    /// Of the first status: counters run since the unit's start.
+    before: Option<Status>,
+    /// The newest status of any session.
+    newest: Option<Status>,
+    /// An address that it answers from beside its own.
+    other: Option<SocketAddr>,
+    /// The version that another program there speaks.
+    version: Option<u8>,
+}
+
+impl RemoteUnit {
+    /// The host's end for a unit; nothing is sent yet. `delay_ms` is from an onset to its effect.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where the system gives no socket.
+    pub fn open(place: &UnitPlace, delay_ms: u32, clock: RunClock) -> Result<Self, Failure> {
+        let socket = Datagrams::towards(place.at);
+        let nonce = u64::from_le_bytes(key::random()?);
+        let settings = UnitSettings {
+            delay: Duration::from_micros(u64::from(delay_ms) * 1000),
+            // A person wears it: a stop is a person's to end.
+            resumes: false,
+        };
+        Ok(Self {
+            key: Key::new(&place.key),
+            socket: socket.map_err(|e| Failure::Device(format!("unit {}: {e}", place.name)))?,
+            driver: UnitDriver::new(&place.key, nonce, settings),
+            clock,
+            reading: None,
+            state: State::Ready,
+            boards: 0,
+            before: None,
+            newest: None,
+            other: None,
+            version: None,
+            place: place.clone(),
+        })
+    }
+
+    /// Begins a session.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] with why there is none.
+    pub fn connect(&mut self) -> Result<Hello, Failure> {
+        let ready = |unit: &Self, now| unit.driver.ready(now).is_ok();
+        self.until(PATIENCE, ready)
+            .then(|| self.driver.hello().copied())
+            .flatten()
+            .ok_or_else(|| self.refused())
+    }
+
+    /// Switches everything off for good: until a host that begins after this. Another host does not keep it from that.
+    /// Whether it had stopped before.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where it does not say that it did.
+    pub fn stop(&mut self) -> Result<Option<Status>, Failure> {
+        self.driver.stop();
+        match self.until(PATIENCE, |unit, _| !unit.driver.is_asking()) {
+            true => Ok(self.driver.status().copied()),
+            false => Err(self.refused()),
+        }
+    }
+
+    /// Asks who is there and begins no session: the round trip of the shortest exchange, and when that was answered by the
+    /// clock here.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where nothing answers under this key.
+    pub fn ask(&mut self, times: usize) -> Result<(Hello, Duration, Instant), Failure> {
+        let mut best: Option<(Hello, Duration, Instant)> = None;
+        for _ in 0..times {
+            self.driver.give_up();
+            let sent = self.clock.now();
+            self.send();
+            let wait = sent + PATIENCE;
+            while self.driver.hello().is_none() && self.clock.now() < wait {
+                self.clock.sleep_until(self.clock.now() + LOOK);
+                self.hear(&mut Vec::new());
+                if self.driver.hello().is_none() {
+                    self.send();
+                }
+            }
+            let heard = self.clock.now();
+            let Some(hello) = self.driver.hello().copied() else {
+                return Err(self.refused());
+            };
+            let trip = heard.since(sent);
+            if best.is_none_or(|(_, shortest, _)| trip < shortest) {
+                let half = Duration::from_micros(trip.as_micros() / 2);
+                best = Some((hello, trip, sent + half));
+            }
+        }
+        self.strange().map_or(Ok(()), Err)?;
+        best.ok_or_else(|| self.refused())
+    }
+
+    /// Exchanges datagrams until something is so; whether it came to that in time.
+    fn until(&mut self, patience: Duration, done: impl Fn(&Self, Instant) -> bool) -> bool {
+        let end = self.clock.now() + patience;
+        loop {
+            self.hear(&mut Vec::new());
+            self.send();
+            let now = self.clock.now();
+            if self.other.is_some() || done(self, now) {
+                return self.other.is_none();
+            }
+            if now >= end {
+                return false;
+            }
+            self.clock.sleep_until(now + LOOK);
+        }
+    }
+
+    /// Why there is no session.
+    fn refused(&self) -> Failure {
+        if let Some(strange) = self.strange() {
+            return strange;
+        }
+        let (name, at) = (&self.place.name, self.place.at);
+        let seconds = PATIENCE.as_micros() / 1_000_000;
+        let why = match self.driver.ready(self.clock.now()) {
+            Err(UnitFault::Busy) => format!(
+                "another host drives it; end that one (`hil off --unit {name} --key FILE` does), then start again"
+            ),
+            Err(UnitFault::Silent) | Ok(()) => {
+                let knock = Header {
+                    kind: Kind::Knock,
+                    host: 0,
+                    unit: 0,
+                    sequence: 1,
+                };
+                let mut buffer = [0; MOST];
+                match is_closed(at, self.key.seal(&knock, &mut buffer, |_| 0), CLOSED) {
+                    true => format!(
+                        "expected a unit at {at}, nothing listens there: start it, or name its address"
+                    ),
+                    false => format!(
+                        "expected an answer under this key within {seconds} s, found none: check its power, the network, the address {at}, and that both have the same key (`hil unit` says what it refuses)"
+                    ),
+                }
+            }
+            Err(fault) => return Failure::Device(format!("{name}: {fault}")),
+        };
+        Failure::Device(format!("unit {name}: {why}"))
+    }
+
+    /// What no unit of a bench may do.
+    fn strange(&self) -> Option<Failure> {
+        let (name, at) = (&self.place.name, self.place.at);
+        let why = match (self.other, self.version) {
+            (Some(other), _) => format!(
+                "expected answers from {at} alone, found some from {other}: name the address that it answers from, and give each unit a key of its own"
+            ),
+            (None, Some(found)) if self.driver.hello().is_none() => format!(
+                "expected version {VERSION} of the link, found {found}: bring host and unit to the same version"
+            ),
+            _ => return None,
+        };
+        Some(Failure::Device(format!("unit {name}: {why}")))
+    }
+
+    /// What ends a run on it at once.
+    ///
+    /// # Errors
+    /// [`Failure::Guard`] for a stop by its own guard, [`Failure::Device`] for answers from another address.
+    pub fn check(&self, now: Instant) -> Result<(), Failure> {
+        self.strange().map_or(Ok(()), Err)?;
+        match self.driver.ready(now) {
+            Err(UnitFault::Stopped(cause)) => Err(Failure::Guard(format!(
+                "unit {}: stopped by its own guard, {}; outputs are off and stay off",
+                self.place.name,
+                cause.word()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// The host's end of its link.
+    pub const fn driver(&mut self) -> &mut UnitDriver {
+        &mut self.driver
+    }
+
+    /// Where it is.
+    pub const fn place(&self) -> &UnitPlace {
+        &self.place
+    }
+
+    /// The time of the newest reading, from now on in every command.
+    pub fn tell(&mut self, reading: Option<Instant>) {
+        self.reading = reading.or(self.reading);
+        self.send();
+    }
+
+    fn send(&mut self) {
+        let mut buffer = [0; MOST];
+        let now = self.clock.now();
+        if let Some(datagram) = self.driver.datagram(now, self.reading, &mut buffer) {
+            self.socket.send(datagram, self.place.at);
+        }
+    }
+
+    /// Takes what has come; a unit that stopped or goes on is noted.
+    pub fn hear(&mut self, events: &mut Vec<Event>) {
+        let mut buffer: Buffer = [0; MOST];
+        while let Some((length, from)) = self.socket.receive(&mut buffer) {
+            let now = self.clock.now();
+            let datagram = &mut buffer[..length];
+            let header = Header::read(datagram);
+            if from != self.place.at {
+                let ours = header.is_ok_and(|h| h.host == self.driver.session());
+                if ours && self.key.open(datagram).is_ok() {
+                    self.other = Some(from);
+                }
+                continue;
+            }
+            if let Err(Refusal::Version(found)) = header {
+                self.version = Some(found);
+            }
+            // What is refused is counted.
+            let _ = self.driver.hear(now, datagram);
+        }
+        let Some(status) = self.driver.status() else {
+            return;
+        };
+        self.before.get_or_insert(*status);
+        self.newest = Some(*status);
+        if let Some(hello) = self.driver.hello() {
+            let carried = hello.wires.iter().rposition(|bits| *bits != 0);
+            self.boards = carried.map_or(0, |last| last as u8 + 1);
+        }
+        if status.state != self.state {
+            self.state = status.state;
+            let text = match status.state {
+                State::Ready => "unit: drives".to_owned(),
+                State::Stopped(cause) => format!("unit: stopped, {}", cause.word()),
+            };
+            events.push(Event::note(self.clock.now(), text));
+        }
+    }
+
+    /// Everything off; waits until the unit has said so.
+    ///
+    /// # Errors
+    /// What is known in place of that.
+    pub fn end(&mut self) -> Result<(), String> {
+        match self.until(OFF, |unit, _| !unit.driver.is_asking()) {
+            true => Ok(()),
+            false => Err(format!(
+                "unit {}: it did not say that its outputs are off; it switches off by itself 100 ms after the newest reading",
+                self.place.name
+            )),
+        }
+    }
+
+    /// What came of it in this run.
+    pub fn report(&self) -> Option<UnitReport> {
+        let (before, newest) = (self.before?, self.newest?);
+        let link = self.driver.counts();
+        // A unit that began anew counts from zero.
+        let since = |now: u32, then: u32| now.checked_sub(then).unwrap_or(now);
+        Some(UnitReport {
+            begun: since(newest.applied, before.applied),
+            limited: since(newest.limited, before.limited),
+            dropped: since(newest.dropped, before.dropped),
+            late_us: newest.late_us,
+            stops: since(newest.stops, before.stops),
+            refused: since(newest.refused, before.refused),
+            commands: link.sent,
+            answers: link.answered,
+            lost: link.sent.saturating_sub(link.answered),
+            sessions: link.sessions,
+        })
+    }
+}
+
+impl Actuators for RemoteUnit {
+    type Error = DriverError;
+
+    fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
+        self.driver.apply(update)
+    }
+
+    fn all_off(&mut self) -> Result<(), DriverError> {
+        let told = self.driver.all_off();
+        self.send();
+        told
+    }
+}
+
+impl Driver for RemoteUnit {
+    fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
+        self.send();
+        let ready = self.driver.ready(now).map(|()| now);
+        ready.map_err(DriverError::Unit)
+    }
+
+    fn verify(&mut self) -> Result<(), DriverError> {
+        let ready = self.driver.ready(self.clock.now());
+        ready.map_err(DriverError::Unit)
+    }
+
+    fn retries(&self) -> u64 {
+        0
+    }
+
+    fn traffic(&self) -> Traffic {
+        Traffic::default()
+    }
+
+    fn boards(&self) -> Vec<Board> {
+        (0..self.boards).map(Board).collect()
+    }
+}

@@ -1,0 +1,297 @@
+//! Files and streams that are either whole or not there.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+use palpate_files::{Format, open};
+use palpate_records::runs::RunTable;
+use palpate_records::table_schema::contacts_schema;
+use palpate_records::trace::Header;
+
+use palpate_run::Failure;
+use serde::Serialize;
+
+use crate::ending::Partial;
+use crate::progress::aside;
+
+/// What outputs of a command may replace: nothing that was there, but earlier outputs of their kind.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outputs<'a> {
+    /// Whether anything may be replaced (`--force`).
+    pub force: bool,
+    /// The recordings that the command reads.
+    pub inputs: &'a [PathBuf],
+}
+
+/// What a table of `hil design` begins with.
+pub const DESIGNS: &str = "wire,alloy,";
+
+/// So much of a file tells what it is.
+const START: u64 = 4096;
+
+/// Whether a file that begins so, in this format, was written by this program.
+fn is_ours(start: &[u8], format: Format) -> bool {
+    let text = String::from_utf8_lossy(start);
+    match format {
+        Format::Contacts | Format::Schedule | Format::Golden | Format::Candump => true,
+        Format::Junit => text.contains("name=\"hil\""),
+        Format::Json => {
+            let marks = ["\"source\"", "\"$schema\"", "\"3D!palpate\""];
+            marks.iter().any(|mark| text.contains(mark)) || RunTable::is_one(&text)
+        }
+        Format::Svg => text.contains("var(--card)"),
+        Format::Csv => {
+            text.starts_with("time_us,txl1_")
+                || text.starts_with("txl1_x,")
+                || text.starts_with("label,trained,")
+                || text.starts_with(DESIGNS)
+                || RunTable::is_one(&text)
+        }
+        _ => text.contains("palpate"),
+    }
+}
+
+impl Outputs<'_> {
+    /// Of a command that reads no recording. With `force` anything may be replaced.
+    pub const fn of(force: bool) -> Outputs<'static> {
+        Outputs { force, inputs: &[] }
+    }
+
+    /// Whether a file of this format may be written: to be asked before the work is done, too.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an input, and for a file that is no earlier output of this format.
+    pub fn check(self, path: &Path, format: Format) -> Result<(), Failure> {
+        if self.force || !is_ordinary(path) {
+            return Ok(());
+        }
+        let Ok(there) = fs::metadata(path) else {
+            return Ok(()); // nothing there, or writing it will say why
+        };
+        let refuse = |found: &str| {
+            Err(Failure::Input(format!(
+                "{}: expected a new file, or an earlier output of hil in this format ({}), found {found}; --force replaces it",
+                path.display(),
+                format.noun()
+            )))
+        };
+        let same = |input: &PathBuf| {
+            fs::metadata(input).is_ok_and(|i| (i.dev(), i.ino()) == (there.dev(), there.ino()))
+        };
+        if self.inputs.iter().any(same) {
+            return refuse("an input of this command");
+        }
+        let mut start = Vec::new();
+        let read = open(path, "a file").map(|file| file.take(START).read_to_end(&mut start));
+        if !matches!(read, Ok(Ok(_))) {
+            return refuse("a file that cannot be read");
+        }
+        match Format::of(&start) {
+            Some(found) if found == format && is_ours(&start, format) => Ok(()),
+            _ if start.is_empty() => Ok(()),
+            Some(found) if found == format => refuse("another program's"),
+            found => refuse(found.map_or("something else", Format::noun)),
+        }
+    }
+
+    /// The same of a table (CSV) that begins so: an earlier output of another command is none of its kind.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`].
+    pub fn check_csv(self, path: &Path, head: &str) -> Result<(), Failure> {
+        self.check(path, Format::Csv)?;
+        let mut start = Vec::new();
+        let Ok(file) = open(path, "a table") else {
+            return Ok(()); // nothing there, or writing it will say why
+        };
+        let read = file.take(START).read_to_end(&mut start);
+        if self.force || !is_ordinary(path) || read.is_err() || start.is_empty() {
+            return Ok(());
+        }
+        match String::from_utf8_lossy(&start).starts_with(head) {
+            true => Ok(()),
+            false => Err(Failure::Input(format!(
+                "{}: expected a new file, or an earlier output of this command (`{head}..`), found another table; --force replaces it",
+                path.display()
+            ))),
+        }
+    }
+
+    /// [`write_file`] where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`] and [`write_file`].
+    pub fn write(
+        self,
+        path: &Path,
+        format: Format,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        self.check(path, format)?;
+        write_file(path, content)
+    }
+
+    /// Opens a file that grows while what it records goes on, where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`], and [`Failure::Write`] with what the system said.
+    pub fn grow(self, path: &Path, format: Format) -> Result<fs::File, Failure> {
+        self.check(path, format)?;
+        fs::File::create(path).map_err(Failure::written(path))
+    }
+
+    /// Opens a file that grows and is there only once it is whole, where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::grow`].
+    pub fn begin(self, path: &Path, format: Format) -> Result<(Unfinished, fs::File), Failure> {
+        self.check(path, format)?;
+        Unfinished::create(path).map_err(Failure::written(path))
+    }
+
+    /// Whether a table of contacts and the schema beside it may be written.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`].
+    pub fn check_table(self, table: &Path) -> Result<(), Failure> {
+        self.check(table, Format::Contacts)?;
+        self.check(&table.with_extension("schema.json"), Format::Json)
+    }
+}
+
+/// Writes a file through a neighbour of it that is renamed at the end, so that an error or a full disk
+/// or a signal leaves nothing half-written behind. What is no ordinary file (a pipe, `/dev/stdout`) is written as it
+/// stands: a rename would put a file in a device's place. A link keeps pointing where it points.
+///
+/// # Errors
+/// [`Failure::Write`] with the path and what the system said.
+pub fn write_file(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    let written = Unfinished::create(path).and_then(|(unfinished, file)| {
+        let mut out = io::BufWriter::new(file);
+        content(&mut out)?;
+        let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        unfinished.finish(&file)
+    });
+    written.map_err(Failure::written(path))
+}
+
+/// An output that is not whole yet. Dropped, its file is gone.
+#[derive(Debug)]
+pub struct Unfinished {
+    /// The neighbour, and the name that it will have; nothing of what is no ordinary file.
+    partial: Option<(Partial, PathBuf)>,
+}
+
+impl Unfinished {
+    /// Opens what [`write_file`] writes to.
+    fn create(path: &Path) -> io::Result<(Self, fs::File)> {
+        let whole = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        match fs::metadata(&whole) {
+            Ok(there) if there.is_dir() => {
+                return Err(io::Error::from(io::ErrorKind::IsADirectory));
+            }
+            Ok(there) if !there.is_file() || is_stream(path) => {
+                let stream = fs::OpenOptions::new().append(true).open(path)?;
+                return Ok((Self { partial: None }, stream));
+            }
+            _ => {}
+        }
+        let name = whole.file_name().map(|n| n.to_string_lossy().into_owned());
+        let name = name.unwrap_or_default();
+        // Two runs at once may write the same file: each has its own neighbour.
+        let partial = whole.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+        let (partial, file) = Partial::create(&partial)?;
+        let partial = Some((partial, whole));
+        Ok((Self { partial }, file))
+    }
+
+    /// Gives the file its name, once it is on the disk.
+    ///
+    /// # Errors
+    /// What the system says; the file is gone then.
+    pub fn finish(self, file: &fs::File) -> io::Result<()> {
+        match self.partial {
+            None => Ok(()),
+            Some((partial, whole)) => {
+                file.sync_all()?;
+                partial.finish(&whole)
+            }
+        }
+    }
+}
+
+/// Whether a path is or will be an ordinary file, which can have others beside it.
+fn is_ordinary(path: &Path) -> bool {
+    !is_stream(path) && fs::metadata(path).map_or(true, |there| there.is_file())
+}
+
+/// Whether a path names an open stream of this program, which may be a file elsewhere.
+fn is_stream(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc/self/fd"]
+        .iter()
+        .any(|stream| path.starts_with(stream))
+}
+
+/// Writes the schema of a contacts table beside it: `contacts.csv` has its types and units in
+/// `contacts.schema.json`. A table that goes down a pipe has nothing beside it.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failure> {
+    if !is_ordinary(table) {
+        return Ok(());
+    }
+    write_file(&table.with_extension("schema.json"), |out| {
+        out.write_all(contacts_schema(header).as_bytes())
+    })
+}
+
+/// Makes a folder and those above it, where they are not there yet.
+///
+/// # Errors
+/// [`Failure::Write`] with the path and what the system said.
+pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(Failure::written(path))
+}
+
+/// A remark on standard error, which may be closed.
+pub fn note(text: &str) {
+    let _ = aside(|| writeln!(io::stderr(), "note: {text}"));
+}
+
+/// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.
+///
+/// # Errors
+/// [`Failure::Write`] for anything else, such as a full disk behind a redirection.
+pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let written = aside(|| {
+        let mut out = io::BufWriter::new(io::stdout().lock());
+        content(&mut out).and_then(|()| out.flush())
+    });
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::written("standard output")(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a value to standard output, as JSON on one line.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_json(value: &(impl Serialize + ?Sized)) -> Result<(), Failure> {
+    print(|out| {
+        serde_json::to_writer(&mut *out, value)?;
+        writeln!(out)
+    })
+}
+
+#[cfg(test)]
+#[path = "output_tests.rs"]
+mod tests;

@@ -1,0 +1,311 @@
+//! What a run in real time asks of its ends beside sensing and driving, and how a session between them begins and parts.
+
+use palpate_buses::can::{Note, Tally};
+use palpate_buses::guardian::Lost;
+use palpate_buses::pacer::{RunClock, Watch};
+use palpate_core::projector::Projector;
+use palpate_core::skin::CanSkin;
+use palpate_core::units::Instant;
+use palpate_records::readings::Readings;
+use palpate_run::display_end::{DisplayEnd, EmulatedDisplay};
+use palpate_run::skin_end::{SkinEnd, Tap};
+use palpate_run::unit::UnitReport;
+use palpate_run::{
+    CanPlayer, EmulatedSkin, Failure, HeatReport, Policy, Recorder, Rows, Session, Truth,
+};
+
+use super::bench::{Interfaces, Live};
+use super::warden::FingerEnd;
+use crate::clock;
+
+/// The sensor end.
+pub trait Sensed: SkinEnd {
+    /// The outputs are ready: boards are told to send.
+    fn begin(&mut self) {}
+
+    /// Something that befell a bus.
+    fn note(&mut self) -> Option<Note> {
+        None
+    }
+
+    /// What has happened on each interface.
+    fn tallies(&self) -> Vec<Tally> {
+        Vec::new()
+    }
+}
+
+/// The boards on a bench's interfaces.
+pub type RealSkin = CanSkin<Tap<Interfaces>>;
+
+impl Sensed for RealSkin {
+    fn begin(&mut self) {
+        // What is lost here is made up by the session, which tells silent boards again.
+        let _ = self.start_all();
+    }
+
+    fn note(&mut self) -> Option<Note> {
+        self.bus_mut().inner.note()
+    }
+
+    fn tallies(&self) -> Vec<Tally> {
+        self.bus().inner.tallies()
+    }
+}
+
+impl Sensed for EmulatedSkin {}
+
+impl Sensed for Rows<'_> {}
+
+impl Sensed for CanSkin<Tap<CanPlayer<'_>>> {}
+
+/// The display end, and what watches over it.
+pub trait Watched: DisplayEnd {
+    /// What was found driving before the run, a line each.
+    fn found(&self) -> &str {
+        ""
+    }
+
+    /// Last of all before the outputs start: what may have fallen silent while the run was prepared is there again.
+    fn meet(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Before a turn: whether the run may go on.
+    fn beat(&mut self, now: Instant) -> Result<(), Failure>;
+
+    /// Whether somebody switches off what this program leaves on.
+    fn is_guarded(&self) -> bool {
+        true
+    }
+
+    /// The run cannot begin, for this cause.
+    fn abandon(&mut self, cause: &str);
+
+    /// The run is over and outputs are `off`, or may not be; whether that is known. `failed` if something else ended it.
+    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String>;
+
+    /// What came of the driver unit, where it is one.
+    fn unit(&self) -> Option<UnitReport> {
+        None
+    }
+
+    /// What came of that unit's Peltier module, where the bench has one.
+    fn heat(&self) -> Option<HeatReport> {
+        None
+    }
+}
+
+/// A finger: the guardian watches over it among the fingers of the bench.
+impl Watched for FingerEnd {
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.vote.warden.is_gone()
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.vote.warden.give_up(cause);
+    }
+
+    /// The guardian takes leave of all fingers together.
+    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
+        self.vote.warden.ended(self.vote.finger);
+        off
+    }
+}
+
+/// The end of a run whose guardian is lost, or has stopped it.
+pub fn lost(lost: Lost) -> Failure {
+    match lost {
+        Lost::Halted(_) => Failure::Guard(lost.to_string()),
+        Lost::Died | Lost::Silent => Failure::Device(lost.to_string()),
+    }
+}
+
+impl Watched for Live {
+    fn found(&self) -> &str {
+        &self.found
+    }
+
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.watchman.guardian.beat(now).map_err(lost)
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.watchman.guardian.is_gone()
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.watchman.guardian.hand_over(cause);
+    }
+
+    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String> {
+        match (off, failed) {
+            (Ok(()), false) => self.watchman.guardian.end(),
+            (Ok(()), true) => self.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
+            (Err(cause), _) => {
+                self.watchman.guardian.hand_over(&cause);
+                Err(cause)
+            }
+        }
+    }
+}
+
+/// Nothing watches over an emulated finger.
+impl Watched for EmulatedDisplay {
+    fn beat(&mut self, _now: Instant) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn abandon(&mut self, _cause: &str) {}
+
+    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
+        off
+    }
+}
+
+/// A session between its ends that has not begun. What is looked at meanwhile is kept where it is `watched`; `taxels` are
+/// recorded.
+pub(super) fn assemble<S: Sensed, D: Watched>(
+    (projector, drives): (Projector, usize),
+    ends: (S, D),
+    truth: Truth,
+    taxels: Option<Readings>,
+    watched: bool,
+) -> Session<S, D> {
+    let layout = projector.layout();
+    let mut recorder = Recorder::new(truth, layout);
+    recorder.counts = watched.then(Vec::new);
+    recorder.readings = Some(Readings::sampled(layout, drives));
+    recorder.taxels = taxels;
+    Session::new(
+        projector,
+        ends,
+        Policy::REAL,
+        recorder,
+        Some(clock::elapsed),
+    )
+}
+
+/// Looks around before a turn: for time that nobody saw, for who watches over the display, for what befell its buses. Whether
+/// the run may go on.
+pub(super) fn goes_on<S: Sensed, D: Watched>(
+    session: &mut Session<S, D>,
+    watch: &mut Watch,
+    now: Instant,
+) -> bool {
+    if let Some(unseen) = watch.look(now)
+        && !session.unseen(now, unseen.uncounted(), &unseen.to_string())
+    {
+        return false;
+    }
+    if let Err(failure) = session.display().beat(now) {
+        session.set_failure(failure);
+        return false;
+    }
+    while let Some(note) = session.skin().note() {
+        session.recorder().note(note.at, note.text);
+    }
+    true
+}
+
+/// Starts the outputs of a session: what was found driving is noted, everything is off and set up. Returns when the first
+/// turn may come.
+///
+/// # Errors
+/// [`Failure::Device`] for outputs that cannot be started; what watches over them has been told.
+pub fn begin<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    clock: RunClock,
+) -> Result<Instant, Failure> {
+    let found = session.display().found().to_owned();
+    for line in found.lines() {
+        let text = format!("{line}; switched off");
+        session.recorder().note(Instant::ZERO, text);
+    }
+    session.display().meet()?;
+    session.start(clock.now()).map_err(|error| {
+        let display = session.display();
+        let cause = display.explain(&error);
+        display.abandon(&cause);
+        Failure::Device(cause)
+    })
+}
+
+/// Everything off, and the display's leave; when that was. What `stops` it stays latched until a person has looked. Without a
+/// guardian the session stays until everything is off, and tells what it notes meanwhile.
+pub fn leave<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    clock: RunClock,
+    stops: Option<&str>,
+    mut tell: impl FnMut(&mut Session<S, D>),
+) -> Instant {
+    let mut end = clock.now();
+    let mut left = switch_off(session, end);
+    if let Some(cause) = stops {
+        let kept = session.display().keep_stopped(cause);
+        session.set_failure(kept);
+    }
+    let mut is_alone = false;
+    while let Some(cause) = left.take_if(|_| !session.display().is_guarded()) {
+        if !std::mem::replace(&mut is_alone, true) {
+            let text =
+                format!("no guardian is left, and not everything is off: {cause}; trying on");
+            session.recorder().note(end, text);
+            tell(session);
+        }
+        clock.sleep_until(clock.now() + Policy::REAL.retry);
+        end = clock.now();
+        left = switch_off_again(session, end);
+    }
+    let failed = session.failure().is_some();
+    let off = left.map_or(Ok(()), |cause| Err(left_on(session, cause)));
+    if let Err(cause) = session.display().part(off, failed) {
+        // The guardian has tried meanwhile, and goes on.
+        session.still_on();
+        let text = format!("not everything is known to be off: {cause}");
+        session.recorder().note(end, text);
+        session.set_failure(Failure::Device(cause));
+    }
+    end
+}
+
+/// Everything of a session off; why it may be on.
+pub(super) fn switch_off<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    end: Instant,
+) -> Option<String> {
+    let error = session.switch_off(end).err()?;
+    Some(session.display().explain(&error))
+}
+
+/// What could not be switched off tried once more; why it may be on.
+pub(super) fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    now: Instant,
+) -> Option<String> {
+    let end = session.display();
+    if let Err(error) = end.parts().0.start(now) {
+        return Some(end.explain(&error));
+    }
+    let (_, oe) = end.parts();
+    oe.set_enabled(now, true);
+    let note = "switched off, its bus is back";
+    session.recorder().note(now, note.into());
+    session.settle();
+    None
+}
+
+/// Why wires may be on that could not be switched off, and for how long they were if that is too long.
+pub(super) fn left_on<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    cause: String,
+) -> String {
+    session.still_on();
+    match session.overrun() {
+        Some(overrun) => format!("{overrun}; {cause}"),
+        None => cause,
+    }
+}

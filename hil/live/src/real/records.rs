@@ -1,0 +1,185 @@
+//! Records of several fingers that grow while they run: what their loops say, in the numbers of the bench and in the
+//! order of time.
+
+use std::path::PathBuf;
+
+use palpate_core::bus::Received;
+use palpate_core::units::Instant;
+use palpate_files::{Format, Setup};
+use palpate_records::readings::{ModulePlaces, Readings, TaxelFrame};
+use palpate_records::trace::{Event, Header, sort_by_time};
+use palpate_run::picture::State;
+use palpate_run::place::Place;
+use palpate_run::{Failure, TurnView, attachments, joined_header, whole_boards};
+
+use crate::output::Outputs;
+use crate::record::{About, Journal, Sink, path_of};
+use crate::views::{Views, Wish};
+
+/// What a finger's loop has to say.
+#[derive(Debug, Default)]
+pub(super) struct Said {
+    pub(super) finger: usize,
+    /// What it says next is later than this.
+    pub(super) until: Instant,
+    /// In its own numbers.
+    pub(super) events: Vec<Event>,
+    pub(super) frames: Vec<Received>,
+    pub(super) taxels: Vec<TaxelFrame>,
+    /// For live views: readings of its taxels, its buses in words, and how things are.
+    pub(super) counts: Vec<f32>,
+    pub(super) buses: Vec<String>,
+    pub(super) state: Option<State>,
+}
+
+/// One finger's part of the records.
+struct Own {
+    place: Place,
+    /// Files of its own, where there are any.
+    journal: Option<Journal>,
+    /// Nothing older will come from it.
+    until: Instant,
+    /// All it has said, for the live view.
+    seen: Vec<Event>,
+}
+
+/// The files of a hand.
+pub(super) struct Records {
+    fingers: Vec<Own>,
+    /// Files of all fingers.
+    common: Journal,
+    /// What waits for fingers that are behind.
+    events: Vec<Event>,
+    frames: Vec<Received>,
+    views: Views,
+}
+
+impl Records {
+    /// Creates the files. With `tells`, notes go to people as well.
+    pub(super) fn create(
+        setup: &Setup,
+        fingers: &[(&Place, &Header, &[ModulePlaces])],
+        (files, outputs): (&[(Format, PathBuf)], Outputs<'_>),
+        tells: bool,
+    ) -> Result<Self, Failure> {
+        let attached = attachments(setup);
+        let (own, shared): (Vec<_>, Vec<_>) = files
+            .iter()
+            .cloned()
+            .partition(|(format, _)| format.is_per_display());
+        let headers: Vec<_> = fingers.iter().map(|(p, h, _)| (*p, *h)).collect();
+        let header = joined_header(setup, &headers);
+        let sinks = Sink::create_all(&shared, &About::Run(&header, &[], &attached), outputs)?;
+        let of = |(place, header, modules): &(&Place, &Header, &[_])| {
+            let path =
+                |(format, path): &(Format, PathBuf)| (*format, path_of(path, place.display()));
+            let files: Vec<_> = own.iter().map(path).collect();
+            let about = About::Run(header, modules, &attached);
+            let sinks = Sink::create_all(&files, &about, outputs)?;
+            let journal = (!sinks.is_empty()).then(|| Journal::start(sinks, false));
+            Ok(Own {
+                place: (*place).clone(),
+                journal: journal.transpose()?,
+                until: Instant::ZERO,
+                seen: Vec::new(),
+            })
+        };
+        Ok(Self {
+            fingers: fingers.iter().map(of).collect::<Result<_, Failure>>()?,
+            common: Journal::start(sinks, tells)?,
+            events: Vec::new(),
+            frames: Vec::new(),
+            views: Views::default(),
+        })
+    }
+
+    /// Shows the fingers to a person as well.
+    pub(super) fn show(&mut self, views: Views) {
+        self.views = views;
+    }
+
+    /// Takes what a finger says; what those who look on want.
+    pub(super) fn take(&mut self, said: Said) -> Option<Wish> {
+        let own = self.fingers.get_mut(said.finger)?;
+        let mut wish = None;
+        // What ends is not shown: the screen keeps its last view.
+        if let Some(state) = said.state.filter(|_| said.until < Instant::FAR_FUTURE) {
+            own.seen.extend_from_slice(&said.events);
+            wish = self.views.turn(&TurnView {
+                now: said.until,
+                display: said.finger,
+                events: &own.seen,
+                counts: &said.counts,
+                buses: &|| said.buses.clone(),
+                state: &|_| state.clone(),
+            });
+        }
+        let mut events = said.events;
+        events.iter_mut().for_each(|event| own.place.number(event));
+        self.events
+            .extend(events.iter().filter_map(|event| own.place.joined(event)));
+        if let Some(journal) = &mut own.journal {
+            journal.add(&events, said.frames.clone(), said.taxels);
+        }
+        self.frames.extend(said.frames);
+        own.until = said.until;
+        let until = self.fingers.iter().map(|finger| finger.until).min();
+        self.pass_on(until.unwrap_or(Instant::FAR_FUTURE));
+        wish
+    }
+
+    /// What befalls whole boards, or the whole bench.
+    pub(super) fn add(&mut self, events: Vec<Event>) {
+        self.events.extend(events);
+    }
+
+    /// Starts and ends of boards, which all displays on a board have alike; in their own numbers.
+    pub(super) fn boards(&self, fingers: &[Vec<Event>]) -> Vec<Event> {
+        let numbered = self.fingers.iter().zip(fingers).map(|(own, events)| {
+            let mut events = events.clone();
+            events.iter_mut().for_each(|event| own.place.number(event));
+            (&own.place, events)
+        });
+        let numbered: Vec<_> = numbered.collect();
+        let each = numbered.iter().map(|(place, events)| (*place, &**events));
+        whole_boards(&each.collect::<Vec<_>>())
+    }
+
+    /// Writes what is older than anything that will still come.
+    fn pass_on(&mut self, until: Instant) {
+        let until_us = until.as_micros();
+        sort_by_time(&mut self.events);
+        self.frames.sort_by_key(|frame| frame.at);
+        let old = |event: &Event| event.t_ns() / 1000 < until_us;
+        let later = self.events.partition_point(old);
+        let frames = self.frames.partition_point(|frame| frame.at < until);
+        let events: Vec<Event> = self.events.drain(..later).collect();
+        let frames: Vec<Received> = self.frames.drain(..frames).collect();
+        if !(events.is_empty() && frames.is_empty()) {
+            self.common.add(&events, frames, Vec::new());
+        }
+    }
+
+    /// Whether a file could not be written: a full disk ends the run.
+    pub(super) fn have_failed(&self) -> bool {
+        let own = self.fingers.iter().filter_map(|f| f.journal.as_ref());
+        self.common.has_failed() || own.into_iter().any(Journal::has_failed)
+    }
+
+    /// Ends the files. Returns how many frames found no room, and what went wrong.
+    pub(super) fn finish(mut self) -> (u64, Result<(), Failure>) {
+        drop(std::mem::take(&mut self.views));
+        self.pass_on(Instant::FAR_FUTURE);
+        let own = self.fingers.into_iter().filter_map(|f| f.journal);
+        let journals: Vec<Journal> = own.chain([self.common]).collect();
+        let dropped = journals.iter().map(Journal::dropped).sum();
+        let ended = journals.into_iter().map(Journal::finish);
+        (dropped, ended.fold(Ok(()), Result::and))
+    }
+}
+
+/// The readings that a finger's own files take.
+pub(super) fn taxels(files: &[(Format, PathBuf)], readings: Readings) -> Option<Readings> {
+    let wanted = files.iter().any(|(format, _)| *format == Format::Mcap);
+    wanted.then_some(readings)
+}

@@ -1,0 +1,147 @@
+//! Records that are written while they come in: whatever ends the program, what was recorded until then is on
+//! its way to the disk. A thread of its own does it, behind a queue of fixed length: a slow disk delays no loop
+//! and costs frames, which are counted.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+
+use palpate_core::bus::Received;
+use palpate_records::readings::TaxelFrame;
+use palpate_records::trace::{Event, event};
+
+use super::sink::Sink;
+use crate::output::note;
+use palpate_run::{Failure, Piece};
+
+/// Pieces that wait for the disk, one a turn of the loop.
+const QUEUE: usize = 1 << 10;
+/// Frames that wait for room in the queue, 24 bytes each: almost three seconds of a full hand.
+const WAITING: usize = 1 << 16;
+/// Scans of all taxels that do, 2 kB each of a full hand: five seconds of it.
+const SCANS_WAITING: usize = 1 << 9;
+
+/// Files that grow on a thread of their own.
+#[derive(Debug)]
+pub struct Journal {
+    pieces: Option<SyncSender<Piece>>,
+    thread: Option<JoinHandle<Result<(), Failure>>>,
+    failed: Arc<AtomicBool>,
+    /// How many of the recorder's events have been handed over.
+    told: usize,
+    /// What found no room in the queue.
+    waiting: Piece,
+    dropped: u64,
+}
+
+impl Journal {
+    /// Takes files that have their first lines. If it `tells`, notes go to people as well.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] when the system gives no thread.
+    pub fn start(mut files: Vec<Sink>, tells: bool) -> Result<Self, Failure> {
+        let (pieces, orders) = sync_channel(QUEUE);
+        let failed = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&failed);
+        let thread = std::thread::Builder::new()
+            .name("journal".into())
+            .spawn(move || {
+                let result = keep(&mut files, &orders, tells);
+                let result = result.and_then(|()| files.into_iter().try_for_each(Sink::finish));
+                flag.store(result.is_err(), Ordering::Relaxed);
+                result
+            })
+            .map_err(|e| Failure::Device(format!("the journal's thread: {e}")))?;
+        Ok(Self {
+            pieces: Some(pieces),
+            thread: Some(thread),
+            failed,
+            told: 0,
+            waiting: Piece::default(),
+            dropped: 0,
+        })
+    }
+
+    /// Hands over what is new, without waiting. All events of one instant have to be there.
+    pub fn tell(&mut self, events: &[Event], frames: Vec<Received>, taxels: Vec<TaxelFrame>) {
+        let events = events.get(self.told..).unwrap_or_default();
+        self.told += events.len();
+        self.add(events, frames, taxels);
+    }
+
+    /// The same of events that are all new.
+    pub fn add(
+        &mut self,
+        events: &[Event],
+        mut frames: Vec<Received>,
+        mut taxels: Vec<TaxelFrame>,
+    ) {
+        if self.has_failed() {
+            return;
+        }
+        self.waiting.events.extend_from_slice(events);
+        self.dropped += fill(&mut self.waiting.can, &mut frames, WAITING);
+        self.dropped += fill(&mut self.waiting.taxels, &mut taxels, SCANS_WAITING);
+        if self.waiting.events.is_empty() && self.waiting.can.is_empty() {
+            return;
+        }
+        if let Some(pieces) = &self.pieces {
+            match pieces.try_send(std::mem::take(&mut self.waiting)) {
+                Err(TrySendError::Full(piece)) => self.waiting = piece,
+                // A thread that has ended has set the flag.
+                Ok(()) | Err(TrySendError::Disconnected(_)) => {}
+            }
+        }
+    }
+
+    /// Whether a file could not be written: a full disk ends the run.
+    pub fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    /// Frames and scans for which there was no room: the disk was too slow. Events are never left out.
+    pub const fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Waits until everything is written.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file and what the system said.
+    pub fn finish(mut self) -> Result<(), Failure> {
+        if let Some(pieces) = self.pieces.take() {
+            // A thread that has ended tells why below.
+            let _ = pieces.send(std::mem::take(&mut self.waiting));
+        }
+        let joined = self.thread.take().map(JoinHandle::join);
+        match joined {
+            Some(Ok(result)) => result,
+            _ => Err(Failure::Device("the journal's thread panicked".into())),
+        }
+    }
+}
+
+/// Appends as much as there is room for; how much there was none for.
+fn fill<T>(waiting: &mut Vec<T>, new: &mut Vec<T>, most: usize) -> u64 {
+    let room = most.saturating_sub(waiting.len());
+    let over = new.len().saturating_sub(room);
+    new.truncate(room);
+    waiting.append(new);
+    over as u64
+}
+
+/// Writes pieces until there are no more.
+fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, tells: bool) -> Result<(), Failure> {
+    while let Ok(piece) = pieces.recv() {
+        for told in event::each::<event::Note>(&piece.events).filter(|_| tells) {
+            note(&format!("{:.3} s: {}", told.t_us as f64 * 1e-6, told.text));
+        }
+        files.iter_mut().try_for_each(|file| file.piece(&piece))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "journal_tests.rs"]
+mod tests;

@@ -1,0 +1,300 @@
+//! Between a study's session and its two pages: what each page shows, and what was said on it.
+//!
+//! A page says once who it is. It is then told its view whenever that changes. Everything that it says goes into a queue for
+//! the session, but STOP: that is noted at once, on the thread that hears it.
+
+use std::collections::VecDeque;
+use std::net::{SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use palpate_core::guard::Used;
+use palpate_run::Failure;
+use palpate_study::Reply;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tungstenite::Message;
+
+use super::files::Page;
+use super::server::{self, Show, converse, socket};
+use super::slot::Slot;
+use crate::clock;
+
+/// Longest message of a page, bytes: a drawing of ten minutes at 120 Hz.
+const LONGEST: usize = 8 << 20;
+/// A page that says nothing for so long is lost; it says something every second.
+const SILENT: Duration = Duration::from_secs(3);
+
+/// What was said on a page.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Heard {
+    /// The participant's reply to the view of this number.
+    Reply(u64, Reply),
+    /// The experimenter's note.
+    Note(String),
+    /// The experimenter: what was to be laid under the finger lies there.
+    Laid,
+    /// The experimenter: the trial is void, for this reason.
+    Void(String),
+    /// STOP, on either page.
+    Stop,
+    /// The participant's page went away.
+    Lost,
+}
+
+/// The desk of a session.
+#[derive(Debug, Clone)]
+pub struct Desk {
+    shared: Arc<Shared>,
+    /// The participant's page, with its token if it needs one.
+    pub url: String,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+    stop: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    participant: Shown,
+    experimenter: Shown,
+    heard: VecDeque<Heard>,
+    stopped: Option<Instant>,
+}
+
+/// What the pages of one person show.
+#[derive(Debug, Default)]
+struct Shown {
+    /// Grows with every view.
+    number: u64,
+    view: Value,
+    /// Of the participant one at most: a newer one takes an older one's place.
+    pages: Vec<Arc<Slot>>,
+}
+
+impl Shown {
+    fn text(&self) -> Arc<str> {
+        let told = json!({ "view": self.number, "shows": self.view });
+        told.to_string().into()
+    }
+
+    /// Shows a view that this makes of the last one, and returns its number.
+    fn change(&mut self, change: impl FnOnce(&mut Value)) -> u64 {
+        change(&mut self.view);
+        self.number += 1;
+        let text = self.text();
+        self.pages.iter().for_each(|page| page.show(0, &text));
+        self.number
+    }
+}
+
+impl State {
+    const fn shown(&mut self, who: Who) -> &mut Shown {
+        match who {
+            Who::Participant => &mut self.participant,
+            Who::Experimenter => &mut self.experimenter,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Who {
+    Participant,
+    Experimenter,
+}
+
+/// What a page says.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Said {
+    who: Option<Who>,
+    /// The view that a reply is to.
+    view: u64,
+    reply: Option<Reply>,
+    note: Option<String>,
+    laid: bool,
+    void: Option<String>,
+    stop: bool,
+    /// That it is there.
+    alive: bool,
+}
+
+impl Shared {
+    fn held(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn hear(&self, heard: Heard) {
+        self.held().heard.push_back(heard);
+        self.changed.notify_all();
+    }
+
+    fn stop(&self) {
+        // First of all: a run looks at this once every turn.
+        self.stop.store(true, Ordering::Relaxed);
+        let mut state = self.held();
+        state.stopped.get_or_insert(clock::now());
+        state.heard.push_back(Heard::Stop);
+        drop(state);
+        self.changed.notify_all();
+    }
+
+    /// Takes in what a page said; false for what is no message of a page.
+    fn said(&self, who: Who, text: &str) -> bool {
+        let Ok(said) = serde_json::from_str::<Said>(text) else {
+            return false;
+        };
+        if said.stop {
+            self.stop();
+        }
+        match who {
+            Who::Participant => {
+                if let Some(reply) = said.reply {
+                    self.hear(Heard::Reply(said.view, reply));
+                }
+            }
+            Who::Experimenter => {
+                if let Some(note) = said.note {
+                    self.hear(Heard::Note(note));
+                }
+                if let Some(why) = said.void {
+                    self.hear(Heard::Void(why));
+                }
+                if said.laid {
+                    self.hear(Heard::Laid);
+                }
+            }
+        }
+        true
+    }
+
+    /// A new page, which is told the newest view.
+    fn open(&self, who: Who) -> Arc<Slot> {
+        let slot = Arc::new(Slot::default());
+        let mut state = self.held();
+        let shown = state.shown(who);
+        slot.show(0, &shown.text());
+        if who == Who::Participant {
+            let older = shown.pages.pop();
+            // Whatever the older one was in the midst of, it will not say.
+            state.heard.extend(older.as_ref().map(|_| Heard::Lost));
+            older.iter().for_each(|page| page.close());
+        }
+        state.shown(who).pages.push(Arc::clone(&slot));
+        drop(state);
+        self.changed.notify_all();
+        slot
+    }
+
+    fn close(&self, who: Who, slot: &Arc<Slot>) {
+        let mut state = self.held();
+        let pages = &mut state.shown(who).pages;
+        let own = pages.iter().position(|page| Arc::ptr_eq(page, slot));
+        let left = own.map(|own| pages.swap_remove(own));
+        if who == Who::Participant {
+            state.heard.extend(left.map(|_| Heard::Lost));
+        }
+        drop(state);
+        self.changed.notify_all();
+    }
+}
+
+impl Show for Shared {
+    fn look(&self) -> Page {
+        Page::Study
+    }
+
+    fn longest(&self) -> usize {
+        LONGEST
+    }
+
+    fn page(&self, stream: TcpStream) {
+        if stream.set_read_timeout(Some(SILENT)).is_err() {
+            return;
+        }
+        let mut words = socket(stream, LONGEST);
+        let first = match words.read() {
+            Ok(Message::Text(text)) => serde_json::from_str::<Said>(&text).ok(),
+            _ => None,
+        };
+        let Some(who) = first.and_then(|said| said.who) else {
+            return;
+        };
+        let slot = self.open(who);
+        converse(words, &slot, |text| self.said(who, text));
+        self.close(who, &slot);
+    }
+}
+
+impl Desk {
+    /// Listens at an address; port 0 takes a free one.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where that is not possible.
+    pub fn open(address: SocketAddr) -> Result<Self, Failure> {
+        let shared = Arc::new(Shared::default());
+        let url = server::serve(address, Arc::clone(&shared) as _)?;
+        Ok(Self { shared, url })
+    }
+
+    /// The experimenter's page.
+    #[must_use]
+    pub fn experimenter_url(&self) -> String {
+        match self.url.split_once('#') {
+            Some((page, token)) => format!("{page}experimenter#{token}"),
+            None => format!("{}experimenter", self.url),
+        }
+    }
+
+    /// Whether STOP was heard; a run asks this once every turn.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.shared.stop.load(Ordering::Relaxed)
+    }
+
+    /// When STOP was heard, if it was.
+    #[must_use]
+    pub fn stopped(&self) -> Option<Instant> {
+        self.shared.held().stopped
+    }
+
+    /// Whether the participant's page is there.
+    #[must_use]
+    pub fn is_seated(&self) -> bool {
+        !self.shared.held().participant.pages.is_empty()
+    }
+
+    /// Shows the participant something, and returns its number: what a reply has to name.
+    pub fn show(&self, view: Value) -> u64 {
+        self.shared.held().participant.change(|last| *last = view)
+    }
+
+    /// Shows the experimenter something.
+    pub fn tell(&self, view: Value) {
+        self.shared.held().experimenter.change(|last| *last = view);
+    }
+
+    /// Shows the experimenter how much of the limits is used, and leaves the rest of the view as it is.
+    pub fn limits(&self, used: &Used) {
+        let mut state = self.shared.held();
+        let shown = &mut state.experimenter;
+        if shown.view.is_object() {
+            shown.change(|view| view["rows"] = json!(used.rows()));
+        }
+    }
+
+    /// What was said next, if anything is within so long.
+    #[must_use]
+    pub fn hear(&self, most: Duration) -> Option<Heard> {
+        let waits = |state: &mut State| state.heard.is_empty();
+        let held = self.shared.held();
+        let waited = self.shared.changed.wait_timeout_while(held, most, waits);
+        let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        state.heard.pop_front()
+    }
+}

@@ -1,0 +1,210 @@
+//! The live view of a run, as its pages have it: what each is told when it opens, which display it looks at, what it says.
+
+use std::net::{SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::Thread;
+use std::time::Duration;
+
+use palpate_run::picture::Head;
+use palpate_run::{Beginning, Failure};
+use serde::Deserialize;
+use serde_json::json;
+
+use super::files::Page;
+use super::server::{self, Show, converse, socket};
+use super::slot::Slot;
+
+/// Pages have so long to take in how the run ended.
+const LAST: Duration = Duration::from_millis(500);
+/// Displays that can be told apart.
+const DISPLAYS: usize = 64;
+
+/// A server of live views.
+#[derive(Clone, Debug)]
+pub struct Live {
+    hub: Arc<Hub>,
+    /// The page's address, with its token if it has one.
+    pub url: String,
+}
+
+/// What pages and the run have in common.
+#[derive(Debug, Default)]
+pub(super) struct Hub {
+    pages: Mutex<Vec<Arc<Slot>>>,
+    run: Mutex<Known>,
+    /// Displays that pages look at, a bit each.
+    looked_at: AtomicU64,
+    /// The thread that paints for them, asleep while no page looks.
+    painting: Mutex<Option<Thread>>,
+    stop: AtomicBool,
+}
+
+/// What a page is told that opens while the run goes on.
+#[derive(Debug, Default)]
+struct Known {
+    /// A run's number: a page that comes back finds another one's pictures no part of what it has.
+    run: u64,
+    heads: Vec<Head>,
+    names: Vec<String>,
+    end_us: u64,
+    over: Option<Arc<str>>,
+}
+
+/// What a page says.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Said {
+    stop: bool,
+    display: Option<usize>,
+}
+
+/// A lock, whatever became of the thread that had it.
+fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Known {
+    fn hello(&self) -> Arc<str> {
+        let Self {
+            run,
+            heads,
+            names,
+            end_us,
+            ..
+        } = self;
+        let hello =
+            json!({ "run": run.to_string(), "heads": heads, "names": names, "end_us": end_us });
+        json!({ "hello": hello }).to_string().into()
+    }
+}
+
+impl Live {
+    /// Listens at an address; port 0 takes a free one.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where that is not possible.
+    pub fn open(address: SocketAddr) -> Result<Self, Failure> {
+        let hub = Arc::new(Hub::default());
+        held(&hub.run).run = u64::from_le_bytes(crate::link::key::random()?);
+        let url = server::serve(address, Arc::clone(&hub) as _)?;
+        Ok(Self { hub, url })
+    }
+
+    /// What its pages have in common with a run.
+    pub(super) fn hub(&self) -> Arc<Hub> {
+        Arc::clone(&self.hub)
+    }
+
+    /// The run is over, and this is what it came to; pages have a moment to take it in.
+    pub fn over(&self, line: &str) {
+        let text: Arc<str> = json!({ "over": line }).to_string().into();
+        held(&self.hub.run).over = Some(Arc::clone(&text));
+        let pages = held(&self.hub.pages).clone();
+        pages.iter().for_each(|page| page.tell(Arc::clone(&text)));
+        pages.iter().for_each(|page| page.drained(LAST));
+    }
+}
+
+impl Hub {
+    /// One more display of the run.
+    pub(super) fn add(&self, run: &Beginning<'_>) {
+        let mut known = held(&self.run);
+        known
+            .heads
+            .push(Head::new(run.setup, run.header, run.projector));
+        known.names.push(run.display.unwrap_or_default().to_owned());
+        known.end_us = run.end.as_micros();
+        let hello = known.hello();
+        drop(known);
+        held(&self.pages)
+            .iter()
+            .for_each(|page| page.tell(Arc::clone(&hello)));
+    }
+
+    /// Whether a page has said STOP.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether any page looks at anything.
+    pub(super) fn is_watched(&self) -> bool {
+        self.looked_at.load(Ordering::Relaxed) != 0
+    }
+
+    /// Whether a page looks at this display.
+    pub(super) fn looks_at(&self, display: usize) -> bool {
+        let bit = 1 << display.min(DISPLAYS - 1);
+        self.looked_at.load(Ordering::Relaxed) & bit != 0
+    }
+
+    /// Has a thread woken whenever pages look elsewhere; and now, since one may have come before this.
+    pub(super) fn wakes(&self, painting: &Thread) {
+        *held(&self.painting) = Some(painting.clone());
+        painting.unpark();
+    }
+
+    /// The newest picture of a display, for all pages that look at it.
+    pub(super) fn show(&self, display: usize, picture: &Arc<str>) {
+        held(&self.pages)
+            .iter()
+            .for_each(|page| page.show(display, picture));
+    }
+
+    fn look_again(&self) {
+        let pages = held(&self.pages);
+        let bits = pages
+            .iter()
+            .map(|page| 1 << page.display.load(Ordering::Relaxed).min(DISPLAYS - 1));
+        self.looked_at
+            .store(bits.fold(0, |all, bit: u64| all | bit), Ordering::Relaxed);
+        drop(pages);
+        held(&self.painting).iter().for_each(Thread::unpark);
+    }
+
+    fn open(&self) -> Arc<Slot> {
+        let slot = Arc::new(Slot::default());
+        let known = held(&self.run);
+        if !known.heads.is_empty() {
+            slot.tell(known.hello());
+        }
+        known
+            .over
+            .iter()
+            .for_each(|over| slot.tell(Arc::clone(over)));
+        // Still under the lock: what is told from here on reaches this page too.
+        held(&self.pages).push(Arc::clone(&slot));
+        drop(known);
+        self.look_again();
+        slot
+    }
+
+    /// What a page says; false for what is no message of a page.
+    fn hear(&self, slot: &Slot, text: &str) -> bool {
+        let Ok(said) = serde_json::from_str::<Said>(text) else {
+            return false;
+        };
+        if said.stop {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        if let Some(display) = said.display {
+            slot.display.store(display, Ordering::Relaxed);
+            self.look_again();
+        }
+        true
+    }
+}
+
+impl Show for Hub {
+    fn look(&self) -> Page {
+        Page::Live
+    }
+
+    fn page(&self, stream: TcpStream) {
+        let slot = self.open();
+        let words = socket(stream, self.longest());
+        converse(words, &slot, |text| self.hear(&slot, text));
+        held(&self.pages).retain(|page| !page.is_gone());
+        self.look_again();
+    }
+}

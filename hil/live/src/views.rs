@@ -1,0 +1,137 @@
+//! What looks on at a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or nothing.
+
+use std::path::PathBuf;
+
+use palpate_core::units::{Duration, Instant};
+use palpate_files::Format;
+use palpate_run::picture::Wants;
+use palpate_run::{Beginning, Failure, TurnView};
+
+use crate::output::{Outputs, note};
+use crate::serve::{Desk, Live, LiveRun};
+use crate::watch::Watch;
+
+/// What those who look on want of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// That it ends.
+    End,
+    /// STOP: that everything is off and stays off, where something keeps it so.
+    Stop,
+}
+
+/// How often an experimenter sees the limits anew.
+const LIMITS_EVERY: Duration = Duration::from_millis(250);
+
+/// What a stop by a page is called where it is kept.
+pub const STOPPED_BY_PAGE: &str = "STOP on a page";
+
+impl Wish {
+    /// Who or what ended the run.
+    pub const fn by(self) -> &'static str {
+        match self {
+            Self::End => "the person who watched",
+            Self::Stop => STOPPED_BY_PAGE,
+        }
+    }
+}
+
+/// Looks on at a run.
+#[derive(Debug, Default)]
+pub struct Views {
+    watch: Option<Watch>,
+    /// Whether a terminal was looked for.
+    sought: bool,
+    live: Option<LiveRun>,
+    desk: Option<Desk>,
+    /// When the experimenter sees the limits next.
+    limits: Instant,
+}
+
+/// What a run shows, says and writes while it goes on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
+    /// A view on a terminal, which notes would tear.
+    pub watch: bool,
+    /// A view in pages.
+    pub live: Option<&'a Live>,
+    /// The pages of a study, of which each may stop the run.
+    pub desk: Option<&'a Desk>,
+    /// Standard error gets errors alone.
+    pub quiet: bool,
+    /// Files that grow.
+    pub files: &'a [(Format, PathBuf)],
+    /// What they may replace.
+    pub outputs: Outputs<'a>,
+}
+
+impl Wanted<'_> {
+    /// Whether anything looks on.
+    pub const fn is_seen(self) -> bool {
+        self.watch || self.live.is_some() || self.desk.is_some()
+    }
+}
+
+impl Views {
+    /// Opens what is wanted on a run, or adds one more of its displays. Without a terminal a note says so, and the run goes
+    /// on without.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] when the system gives no thread.
+    pub fn begin(&mut self, wanted: Wanted<'_>, run: &Beginning<'_>) -> Result<(), Failure> {
+        if let Some(watch) = &mut self.watch {
+            watch.add(run.header, run.projector.layout(), run.end);
+        } else if wanted.watch && !self.sought {
+            self.sought = true;
+            self.watch = open_watch(run)?;
+        }
+        if let (None, Some(live)) = (&self.live, wanted.live) {
+            self.live = Some(LiveRun::begin(live)?);
+        }
+        if let Some(live) = &mut self.live {
+            live.add(run);
+        }
+        self.desk = wanted.desk.cloned();
+        Ok(())
+    }
+
+    /// Whether something looks on.
+    pub const fn are_open(&self) -> bool {
+        self.watch.is_some() || self.live.is_some() || self.desk.is_some()
+    }
+
+    /// Shows a turn, and returns what is wanted.
+    pub fn turn(&mut self, seen: &TurnView<'_>) -> Option<Wish> {
+        if let Some(desk) = &self.desk {
+            if desk.is_stopped() {
+                return Some(Wish::Stop);
+            }
+            if seen.now >= self.limits
+                && let Some(used) = (seen.state)(Wants::READINGS).used()
+            {
+                self.limits = seen.now + LIMITS_EVERY;
+                desk.limits(&used);
+            }
+        }
+        if let Some(live) = &mut self.live {
+            if live.is_stopped() {
+                return Some(Wish::Stop);
+            }
+            live.turn(seen);
+        }
+        let watch = self.watch.as_mut()?;
+        let ended = watch.turn(seen.display, seen.now, seen.events, seen.counts, seen.buses);
+        ended.then_some(Wish::End)
+    }
+}
+
+fn open_watch(run: &Beginning<'_>) -> Result<Option<Watch>, Failure> {
+    let opened = Watch::open(run.header, run.projector.layout(), run.end);
+    let opened = opened.map_err(|e| Failure::Device(format!("the live view: {e}")))?;
+    if opened.is_none() {
+        note(
+            "--watch: standard input or output is no terminal; the run goes on without a live view",
+        );
+    }
+    Ok(opened)
+}

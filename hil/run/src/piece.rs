@@ -1,0 +1,89 @@
+//! Pieces of a run while it goes on, in the order of time: what files that grow are handed.
+
+use palpate_core::bus::Received;
+use palpate_core::units::{Duration, Instant};
+use palpate_records::i2c::Transfer;
+use palpate_records::readings::{Readings, TaxelFrame};
+use palpate_records::trace::{Event, sort_by_time};
+
+use crate::display_end::EmulatedDisplay;
+use crate::session::Session;
+use crate::skin_end::SkinEnd;
+
+/// What happened since the last piece. Nothing that comes later is older.
+#[derive(Debug, Default)]
+pub struct Piece {
+    /// In the order of time, all of an instant together.
+    pub events: Vec<Event>,
+    /// Frames on the sensor buses as the host saw them, if they were to be kept.
+    pub can: Vec<Received>,
+    /// Messages on the actuator buses, if they were to be kept.
+    pub i2c: Vec<Transfer>,
+    /// What taxels read, if that was to be kept.
+    pub taxels: Vec<TaxelFrame>,
+}
+
+/// Puts pieces together.
+#[derive(Debug)]
+pub(crate) struct Pieces {
+    /// Events come at most so late: what an onset gave to feel is known at the next one.
+    late: Duration,
+    waiting: Piece,
+}
+
+/// The longest turn, and recoveries of the bus.
+const TURNS: Duration = Duration::from_millis(1000);
+
+impl Pieces {
+    /// Of a run with this time from onset to onset.
+    pub(crate) fn new(soa_us: u64) -> Self {
+        Self {
+            late: TURNS + Duration::from_micros(2 * soa_us),
+            waiting: Piece::default(),
+        }
+    }
+
+    /// Everything since the last piece that nothing earlier can precede any more; all of it at the `end`.
+    pub(crate) fn take<S: SkinEnd>(
+        &mut self,
+        session: &mut Session<S, EmulatedDisplay>,
+        end: bool,
+    ) -> Option<Piece> {
+        if end {
+            session.recorder().pass_on();
+        }
+        let now = session.now();
+        let events = session.recorder().handed.as_mut().map(std::mem::take)?;
+        if events.is_empty() && !end {
+            return None;
+        }
+        let waiting = &mut self.waiting;
+        waiting.events.extend(events);
+        sort_by_time(&mut waiting.events);
+        waiting.can.extend(session.skin().take_frames());
+        let taxels = session.recorder().taxels.as_mut();
+        waiting
+            .taxels
+            .extend(taxels.map(Readings::take_frames).unwrap_or_default());
+        let transfers = session.display().transfers();
+        waiting.i2c.extend(transfers);
+        let until_us = match end {
+            true => u64::MAX,
+            false => now.since(Instant::ZERO + self.late).as_micros(),
+        };
+        let until_ns = until_us.saturating_mul(1000);
+        Some(Piece {
+            events: before(&mut waiting.events, |e| e.t_ns() < until_ns),
+            can: before(&mut waiting.can, |r| r.at.as_micros() < until_us),
+            i2c: before(&mut waiting.i2c, |t| t.start_ns < until_ns),
+            taxels: before(&mut waiting.taxels, |f| f.t_us < until_us),
+        })
+    }
+}
+
+/// Takes what comes first and is due.
+fn before<T>(waiting: &mut Vec<T>, is_due: impl Fn(&T) -> bool) -> Vec<T> {
+    let due = waiting.partition_point(is_due);
+    let later = waiting.split_off(due);
+    std::mem::replace(waiting, later)
+}
