@@ -281,12 +281,12 @@ fn html(computed: &[Computed], person: &str) -> String {
         chart(computed, &currents)
     );
     let columns = [
-        "felt [dB]",
-        "tissue, worst [\u{b0}C]",
-        "wire [\u{b0}C]",
-        "wire, alloy",
-        "geometry, stress",
-        "drive",
+        ("num", "felt [dB]"),
+        ("num", "tissue, worst [\u{b0}C]"),
+        ("num", "wire [\u{b0}C]"),
+        ("", "wire, alloy"),
+        ("", "geometry, stress"),
+        ("", "drive"),
     ];
     let row = |(point, of, _): &Computed| {
         let cells = vec![
@@ -303,10 +303,7 @@ fn html(computed: &[Computed], person: &str) -> String {
         out,
         "<section><h2>Points that no other beats in level, temperature and current</h2>\n\
          <div class=\"wide\" tabindex=\"0\">{}</div></section>",
-        table(
-            &columns.map(|name| ("", name)),
-            computed.iter().filter(|c| c.2).map(row)
-        )
+        table(&columns, computed.iter().filter(|c| c.2).map(row))
     );
     out + &page::foot()
 }
