@@ -1,5 +1,7 @@
 //! The gate before a finger: which frames are felt.
 
+use std::fmt;
+
 use palpate_core::units::{Duration, Instant};
 
 use super::clock::Clock;
@@ -66,6 +68,11 @@ impl Patience {
     }
 }
 
+fn may_be_old(age: &Duration, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let ms = age.as_micros().div_ceil(1000);
+    write!(out, "the reading may be {ms} ms old")
+}
+
 macro_rules! refusals {
     ($($(#[$why:meta])* $kind:ident $(($with:ty))? = $count:ident),+ $(,)?) => {
         /// Why a frame is not felt.
@@ -108,21 +115,21 @@ refusals! {
         "expected messages of this program's version, found version {0}: run the same palpate-link on both machines"
     )]
     Version(u32) = version,
-    /// Of a skin with another layout.
+    /// Frames of a skin with another layout.
     #[error(
         "expected the layout of this scene, found digest {0:016x}: run the same scene on both machines"
     )]
     Layout(u64) = layout,
-    /// Of another publisher than the one that is felt.
+    /// Frames of another publisher than the one that is felt.
     #[error("publisher {0:016x} is refused: this finger feels another one")]
     Second(u64) = second,
     /// More frames per second than any skin has.
     #[error("more frames per second than any skin has")]
     Rate = rate,
-    /// Came before, or was overtaken.
+    /// Frames that came before, or were overtaken.
     #[error("came before, or was overtaken")]
     Order = order,
-    /// Read after it was sent.
+    /// A reading that is newer than its frame.
     #[error("was read after it was sent")]
     Impossible = impossible,
     /// One of the clocks was set: nothing is known of the age of what comes.
@@ -132,7 +139,7 @@ refusals! {
     #[error("the publisher has not answered yet")]
     NoClock = no_clock,
     /// The reading may be older than the deadline.
-    #[error("the reading may be {} ms old", .0.as_micros().div_ceil(1000))]
+    #[error(fmt = may_be_old)]
     Late(Duration) = late,
 }
 

@@ -1,7 +1,6 @@
 //! The whole path in virtual time: an emulated skin, a network, the gate, a session with emulated wires and a person.
 
 use palpate_core::contact::Contact;
-use palpate_core::skin::SkinSource;
 use palpate_core::units::{Duration, Instant, Point};
 use palpate_files::Setup;
 use palpate_link::ends::Shrunk;
