@@ -45,7 +45,7 @@ impl Standing {
         }
     }
 
-    /// Each wire and the tissue 0.1 mm under it, degrees C, as [`Wire::glance`].
+    /// Each wire and the tissue 0.1 mm under it, degrees C.
     pub fn warmth_c(&self) -> Vec<[f64; 2]> {
         let look = |wire: &Wire| {
             let [wire_c, tissue_c] = wire.glance(self.now);

@@ -284,7 +284,7 @@ pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(
 /// Writes a value to standard output, as JSON on one line.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn print_json(value: &(impl Serialize + ?Sized)) -> Result<(), Failure> {
     print(|out| {
         serde_json::to_writer(&mut *out, value)?;
