@@ -74,12 +74,13 @@ impl Source {
         &self.text
     }
 
-    /// The values alone, in the order of their keys, as TOML: texts that differ by comments, spaces or the order of keys
-    /// have the same. Of a text that is no TOML, the text.
+    /// The values alone, in the order of their keys: texts that differ by comments, spaces or the order of keys have the
+    /// same. Texts have their length in front, so that two different files never have the same.
     #[must_use]
     pub fn values(&self) -> String {
-        let table: Result<toml::Table, _> = self.text.parse();
-        table.map_or_else(|_| self.text.clone(), |table| table.to_string())
+        let mut out = String::new();
+        list(DeTable::parse_recoverable(&self.text).0.get_ref(), &mut out);
+        out
     }
 
     /// The folder that relative names in this file start from; none for a built-in file.
@@ -355,4 +356,33 @@ fn entry<'i>(table: &DeTable<'i>, name: &str) -> Option<(Range<usize>, Spanned<D
 
 fn newlines(bytes: &[u8]) -> usize {
     bytes.iter().filter(|byte| **byte == b'\n').count()
+}
+
+fn list(table: &DeTable<'_>, out: &mut String) {
+    out.push('{');
+    for (key, value) in table {
+        text(key.get_ref(), out);
+        one(value.get_ref(), out);
+    }
+    out.push('}');
+}
+
+fn one(value: &DeValue<'_>, out: &mut String) {
+    match value {
+        DeValue::String(words) => text(words, out),
+        DeValue::Table(table) => list(table, out),
+        DeValue::Array(items) => {
+            out.push('[');
+            items.iter().for_each(|item| one(item.get_ref(), out));
+            out.push(']');
+        }
+        DeValue::Integer(number) => *out += &format!("{number} "),
+        DeValue::Float(number) => *out += &format!("{number} "),
+        DeValue::Boolean(truth) => *out += &format!("{truth} "),
+        DeValue::Datetime(date) => *out += &format!("{date} "),
+    }
+}
+
+fn text(words: &str, out: &mut String) {
+    *out += &format!("{}:{words}", words.len());
 }
