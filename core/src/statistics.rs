@@ -3,7 +3,7 @@
 
 use alloc::vec::Vec;
 
-/// Where a part of sorted values lies: on one of them, or between two neighbours.
+/// The place of a part of sorted values: on one of them, or between two neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantile<T> {
     /// The last value up to there.
@@ -14,8 +14,8 @@ pub struct Quantile<T> {
     pub way: f64,
 }
 
-/// Where a part (0 to 1) of sorted values lies: the first is at 0, the last at 1, and all are equally far apart. `None`
-/// of none.
+/// Finds the place of a part (0 to 1) of sorted values: the first is at 0, the last at 1, and all are equally far apart.
+/// `None` where there is no value.
 pub fn quantile<T: Copy>(sorted: &[T], part: f64) -> Option<Quantile<T>> {
     let place = part.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
     let whole = libm::floor(place);

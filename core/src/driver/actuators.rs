@@ -6,8 +6,8 @@ use super::{DriverError, Traffic};
 use crate::guard::Guarded;
 use crate::units::{Board, Instant};
 
-/// What feeds actuators of one kind. Wires take [`Guarded`], a Peltier module
-/// [`GuardedCurrent`](crate::peltier::GuardedCurrent): what their guards have passed, and nothing else. Emulated registers
+/// A driver of actuators of one kind, which takes updates of one type alone: [`Guarded`] for wires,
+/// [`GuardedCurrent`](crate::peltier::GuardedCurrent) for a Peltier module. Only a guard makes these. Emulated registers
 /// take [`Observed`](crate::guard::Observed); nothing that drives hardware does.
 pub trait Actuators<U = Guarded> {
     /// What can go wrong on the actuator bus.
@@ -29,7 +29,7 @@ pub trait Actuators<U = Guarded> {
 
 /// Boards that can be started, read back and driven.
 pub trait Driver: Actuators<Error = DriverError> {
-    /// Everything off, then set up. Returns when the first update may come.
+    /// Switches everything off and sets the boards up. Returns when the first update may come.
     ///
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.
@@ -44,7 +44,7 @@ pub trait Driver: Actuators<Error = DriverError> {
     /// Transfers made again after a transient error.
     fn retries(&self) -> u64;
 
-    /// What updates came to on all buses so far.
+    /// Writes and channels that updates took on all buses so far.
     fn traffic(&self) -> Traffic;
 
     /// Every board, in the order of their numbers.

@@ -211,8 +211,8 @@ impl Output {
     /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens. What a
     /// dead source wants is not projected.
     ///
-    /// Where emulated registers take [`Observed`](crate::guard::Observed), the guard only looks on: they get every
-    /// stimulus as it is, and the observer hears what the guard would have changed, refused or stopped.
+    /// The guard only looks on where the actuators are emulated registers, which take [`Observed`](crate::guard::Observed):
+    /// they get every stimulus as it is, and the observer hears what the guard would have changed, refused or stopped.
     ///
     /// Returns whether an onset was.
     ///

@@ -212,7 +212,7 @@ impl Format {
     }
 }
 
-/// What insta writes above a snapshot, where something stands there, and the snapshot itself.
+/// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself.
 #[must_use]
 pub fn headed(text: &str) -> (Option<&str>, &str) {
     let parts = text.strip_prefix("---\n");

@@ -35,7 +35,7 @@ impl Loaded<Scene> {
     }
 }
 
-/// What a kind of settings file says.
+/// The content of one kind of settings file.
 pub trait Settings: Sized {
     /// The kind.
     const KIND: FileKind;
@@ -85,7 +85,7 @@ files! {
 }
 
 impl<T: Settings> Loaded<T> {
-    /// What a text says, beside it.
+    /// Reads a text, and keeps the text beside what it says.
     ///
     /// # Errors
     /// Names the line and key of what cannot be.

@@ -46,7 +46,7 @@ pub fn open(path: &Path, expected: &str) -> Result<File, FileError> {
     Ok(file)
 }
 
-/// What lies in a folder, in the order of names.
+/// The entries of a folder, in the order of their names.
 ///
 /// # Errors
 /// A folder that cannot be read.

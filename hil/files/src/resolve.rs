@@ -21,7 +21,7 @@ macro_rules! kinds {
             /// Every kind.
             pub const ALL: [Self; 12] = [$(Self::$kind),+];
 
-            /// Its name, as the schema of such files has it.
+            /// The name of the kind, as the schema of such files has it.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$kind => $name),+ }

@@ -12,13 +12,13 @@ use super::source::Source;
 /// A settings file or a law of illusion, as a list has it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Listed {
-    /// Its own description.
+    /// The description that the file gives.
     pub description: String,
-    /// Where it lies; none for what is built in.
+    /// The path of the file; none for a built-in one.
     pub file: Option<PathBuf>,
     /// The name of its [`FileKind`], or `illusion`.
     pub kind: &'static str,
-    /// What to type: a built-in name, or a path.
+    /// The word to type: a built-in name, or a path.
     pub name: String,
 }
 

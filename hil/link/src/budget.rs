@@ -35,14 +35,14 @@ pub struct Spread {
 pub(crate) struct Samples(Vec<u64>);
 
 impl Samples {
-    /// Keeps one, as long as there is room.
+    /// Keeps a sample while there is room.
     pub(crate) fn keep(&mut self, one: u64) {
         if self.0.len() < MOST {
             self.0.push(one);
         }
     }
 
-    /// What they come to; none is left.
+    /// The spread of all samples, which are taken out.
     pub(crate) fn spread(&mut self) -> Option<Spread> {
         let mut micros = std::mem::take(&mut self.0);
         micros.sort_unstable();

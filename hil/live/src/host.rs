@@ -19,7 +19,7 @@ use crate::{clock, real};
 /// its virtual time is held to the wall clock.
 ///
 /// # Errors
-/// As [`run_with`] and [`real::run`]; [`Failure::Write`] for a file that grows.
+/// The errors of [`run_with`] and [`real::run`]; [`Failure::Write`] for a file that grows.
 pub fn run(
     setup: &Setup,
     input: &Input,

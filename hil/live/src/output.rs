@@ -54,7 +54,7 @@ fn is_ours(start: &[u8], format: Format) -> bool {
 }
 
 impl Outputs<'_> {
-    /// Of a command that reads no recording. With `force` anything may be replaced.
+    /// The outputs of a command that reads no recording. With `force` anything may be replaced.
     pub const fn of(force: bool) -> Outputs<'static> {
         Outputs { force, inputs: &[] }
     }
@@ -284,7 +284,7 @@ pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(
 /// Writes a value to standard output, as JSON on one line.
 ///
 /// # Errors
-/// As [`print()`].
+/// The errors of [`print()`].
 pub fn print_json(value: &(impl Serialize + ?Sized)) -> Result<(), Failure> {
     print(|out| {
         serde_json::to_writer(&mut *out, value)?;

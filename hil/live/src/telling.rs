@@ -17,7 +17,7 @@ pub enum Telling {
 }
 
 impl Telling {
-    /// As the options `--json` and `--quiet` want it.
+    /// The form that the options `--json` and `--quiet` ask for.
     pub const fn of(json: bool, quiet: bool) -> Self {
         match (json, quiet) {
             (true, _) => Self::Json,

@@ -48,7 +48,7 @@ pub struct Views {
     limits: Instant,
 }
 
-/// What a run shows, says and writes while it goes on.
+/// Views, words and files of a run while it goes on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wanted<'a> {
     /// A view on a terminal, which notes would tear.
@@ -61,7 +61,7 @@ pub struct Wanted<'a> {
     pub quiet: bool,
     /// Files that grow.
     pub files: &'a [(Format, PathBuf)],
-    /// What they may replace.
+    /// The files that those may replace.
     pub outputs: Outputs<'a>,
 }
 

@@ -19,7 +19,7 @@ use crate::tables::About;
 /// The session behind a loop.
 struct Held {
     session: EmulatedSession,
-    /// What presses on each module of an emulated skin; none where readings are pushed.
+    /// The hand on each module of an emulated skin; none where readings are pushed.
     hands: Option<Vec<Hand>>,
 }
 

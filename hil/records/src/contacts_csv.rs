@@ -18,7 +18,7 @@ const CHUNK: usize = 4096;
 /// Writes every contact of a run, in their order; millimetres and raw counts with three decimals.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
     let displays = &trace.header.displays;
     write_header(displays, &mut out)?;
@@ -28,7 +28,7 @@ pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 /// Writes the first line, of a run with these displays where they are several.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_header(displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
     match displays {
         [] => writeln!(out, "{HEADER}"),
@@ -45,7 +45,7 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
 /// Writes rows below [`write_header`] with the same displays.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_rows<'a>(
     contacts: impl IntoIterator<Item = &'a event::Contact>,
     displays: &[DisplayInfo],

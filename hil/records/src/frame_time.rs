@@ -13,7 +13,7 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// Of measured times; what is no number is left out. `None` where none was measured.
+    /// Sums up measured times, and leaves out what is no number. `None` where none was measured.
     pub fn of(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = costs_us.filter(|us| us.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);

@@ -22,7 +22,7 @@ pub struct Measured {
     pub words: &'static str,
     /// Its unit; empty for a count.
     pub unit: &'static str,
-    /// Where a summary has it; of a list of margins it is the most used one.
+    /// The place in a summary; at a list of margins the figure is that of the most used one.
     place: &'static str,
 }
 

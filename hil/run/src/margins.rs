@@ -23,7 +23,7 @@ const STRETCH: Nanos = Nanos(600_000_000_000);
 /// What stays then: the longest window of a limit, and a burst.
 const OVERLAP: Nanos = Nanos(70_000_000_000);
 
-/// What limits the currents that flow.
+/// The limits of currents that flow.
 const OF_CURRENTS: [Limited; 7] = [
     Limited::Pulse,
     Limited::Burst,
@@ -131,7 +131,7 @@ fn limit(of: Limited, limits: &Limits) -> Option<f64> {
     Some(value as f64 * unit)
 }
 
-/// What was worst beside its limit, most used up first.
+/// The worst of each figure beside its limit, the most used one first.
 pub fn against(limits: &Limits, worst: impl IntoIterator<Item = (Limited, f64)>) -> Vec<Margin> {
     let margin = |(of, worst)| Some(Margin::new(of, worst, limit(of, limits)?));
     let mut all: Vec<Margin> = worst.into_iter().filter_map(margin).collect();

@@ -10,16 +10,16 @@ use crate::display_end::EmulatedDisplay;
 use crate::session::Session;
 use crate::skin_end::SkinEnd;
 
-/// What happened since the last piece. Nothing that comes later is older.
+/// Everything that happened since the last piece. Nothing that comes later is older.
 #[derive(Debug, Default)]
 pub struct Piece {
-    /// In the order of time, all of an instant together.
+    /// Events in the order of time, all of an instant together.
     pub events: Vec<Event>,
     /// Frames on the sensor buses as the host saw them, if they were to be kept.
     pub can: Vec<Received>,
     /// Messages on the actuator buses, if they were to be kept.
     pub i2c: Vec<Transfer>,
-    /// What taxels read, if that was to be kept.
+    /// Readings of taxels, if they were to be kept.
     pub taxels: Vec<TaxelFrame>,
 }
 

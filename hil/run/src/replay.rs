@@ -42,7 +42,7 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     /// [`Failure::Input`] for a source that cannot be read again.
     fn rows(&self) -> Result<Box<dyn NextRow + '_>, Failure>;
 
-    /// What was wrong with a row that was pulled; sources that were read before have no such row.
+    /// The fault of a row that was pulled; sources that were read before have no such row.
     fn wrong(&self) -> Option<FileError> {
         None
     }

@@ -379,7 +379,7 @@ impl Run<'_> {
 }
 
 impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
-    /// Shows the turn of a display at a time, with the lines of its sensor buses; the answer.
+    /// Shows the turn of a display at a time, with the lines of its sensor buses. Returns the answer of `to`.
     pub fn show<T>(
         &self,
         (now, display): (Instant, usize),
@@ -398,7 +398,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     }
 }
 
-/// Shows a turn to the host, where it looks on; whether it wants no more.
+/// Shows a turn to a host that looks on. Returns whether the host wants no more.
 fn look_on<S: SkinEnd>(
     session: &Session<S, EmulatedDisplay>,
     turn: (Instant, usize),

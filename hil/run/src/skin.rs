@@ -51,7 +51,7 @@ pub fn boards(
     )
 }
 
-/// What the scene does to each module, and fingers that join it.
+/// The scene's touches on each module, and those of fingers that join it.
 fn scripted(
     setup: &Setup,
     seed: u64,
@@ -156,7 +156,7 @@ pub fn is_array(setup: &Setup) -> bool {
 /// A scene's skin with its touches and those of fingers on it, sending from the start.
 ///
 /// # Errors
-/// As [`boards`]; [`Failure::File`] for a fault that needs a sensor bus where there is none.
+/// The errors of [`boards`]; [`Failure::File`] for a fault that needs a sensor bus where there is none.
 pub fn scene(setup: &Setup, seed: u64, fingers: Option<&Fingers>) -> Result<EmulatedSkin, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut faults = setup.scene.value.faults.iter();
@@ -173,7 +173,7 @@ pub fn scene(setup: &Setup, seed: u64, fingers: Option<&Fingers>) -> Result<Emul
 /// A scene's skin, sending from the start, each module under the touches that `touches` gives for it.
 ///
 /// # Errors
-/// As [`boards`].
+/// The errors of [`boards`].
 pub fn under(
     setup: &Setup,
     layout: &Layout,
@@ -218,7 +218,7 @@ pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> CanSkin<B> {
 /// Emulated boards with the scene's touches on them, sending from the start.
 ///
 /// # Errors
-/// As [`boards`].
+/// The errors of [`boards`].
 pub fn emulated(setup: &Setup, layout: &Layout, seed: u64) -> Result<Handle, Failure> {
     let mut handle = boards(setup, layout, seed, None, NodeConfig::default())?;
     start(&mut handle)?;

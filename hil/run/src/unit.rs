@@ -308,7 +308,7 @@ impl EmulatedDriver {
         }
     }
 
-    /// Whichever it is, as the loop drives it.
+    /// The boards or the unit, as the loop drives them.
     pub fn boards(&mut self) -> &mut dyn Driver {
         match self {
             Self::Wired(banks) => banks,

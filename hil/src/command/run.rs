@@ -53,14 +53,14 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     }
 }
 
-/// What a run writes, and what it keeps for that.
+/// The files of a run, and what the run keeps for them.
 struct Plan {
     keep: Keep,
     /// Files that grow while it runs.
     growing: Vec<(Format, PathBuf)>,
     /// Files that are made when it is over.
     after: Vec<(Format, PathBuf)>,
-    /// Where all of them are.
+    /// The paths of all files.
     paths: Vec<PathBuf>,
 }
 

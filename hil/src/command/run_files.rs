@@ -110,7 +110,7 @@ fn write_one(format: Format, path: &Path, setup: &Setup, outcome: &Outcome) -> R
     }
 }
 
-/// What the files of a run may replace.
+/// The outputs of a run: which files they may replace.
 pub(super) fn outputs(args: &RunArgs) -> Outputs<'_> {
     Outputs {
         force: args.force,

@@ -34,7 +34,7 @@ pub struct Person {
     /// Their number, from 1 on.
     number: u32,
     seed: u64,
-    /// Of each task whose levels follow from answers, by its wires.
+    /// Psychometric functions by task whose levels follow from answers, one per wire.
     pub(crate) felt: BTreeMap<TaskKind, Vec<Psychometric>>,
     place_bias: [f64; 2],
     drawing_bias: [f64; 2],

@@ -101,26 +101,26 @@ pub struct Detection {
 /// What a simulated study says about its protocol.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Of the threshold task, where there is one.
+    /// Result of the threshold task, where there is one.
     #[serde(flatten)]
     pub thresholds: Option<Thresholds>,
-    /// Of the rating task: a difference between two groups of people, who met two conditions or gave two studies of the same
+    /// Result of the rating task: a difference between two groups of people, who met two conditions or gave two studies of the same
     /// one.
     #[serde(flatten)]
     pub ratings: Option<Detection>,
-    /// Of the difference task: of the part of the amplitude.
+    /// Result of the difference task, in parts of the amplitude.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub difference: Option<Levels>,
-    /// Of the matching task.
+    /// Result of the matching task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub matching: Option<Levels>,
-    /// Of the localisation task.
+    /// Result of the localisation task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub localisation: Option<Places>,
-    /// Of the drawing task.
+    /// Result of the drawing task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawing: Option<Drawings>,
-    /// Of the choice task: a preference for one of two, by the sign test over people.
+    /// Result of the choice task: a preference for one of two, by the sign test over people.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<Detection>,
 }

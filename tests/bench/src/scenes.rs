@@ -21,7 +21,7 @@ pub fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Fai
 /// A run with every frame timed.
 ///
 /// # Errors
-/// As [`host::run`].
+/// The errors of [`host::run`].
 pub fn run(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
     host::run(setup, input, 1, Keep::default(), Wanted::default())
 }

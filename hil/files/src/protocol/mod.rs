@@ -241,7 +241,7 @@ impl Protocol {
         trials.map(|trials| trials + u64::from(self.practice)).sum()
     }
 
-    /// Its tasks in their order: of each the number of its wires, conditions or pairs, and how often each of them comes.
+    /// The tasks in their order, each with the number of its wires, conditions or pairs, and how often each of these comes.
     #[must_use]
     pub fn tasks(&self) -> Vec<(TaskKind, usize, u32)> {
         use TaskKind as K;

@@ -54,7 +54,7 @@ pub fn subscribe(
     subscriber.wait().map_err(zenoh)
 }
 
-/// What a message says; `None` of more bytes than any of ours has, which are neither looked at nor copied.
+/// The bytes of a message. `None` for more than any message of this program has: they are neither looked at nor copied.
 #[must_use]
 pub fn bytes(sample: &Sample) -> Option<Cow<'_, [u8]>> {
     let payload = sample.payload();

@@ -230,7 +230,7 @@ impl Planned {
     }
 }
 
-/// What zenoh says, as an error of the network.
+/// An error of zenoh as one of the network.
 pub(crate) fn zenoh(error: zenoh::Error) -> NetError {
     NetError::Zenoh(error.to_string())
 }

@@ -88,14 +88,14 @@ impl ServedDisplay {
         self.last_edge.max(self.transfers().0)
     }
 
-    /// Of each chip: its address, and whether it drives or is going to drive an output.
+    /// The address of each chip, and whether the chip drives or is going to drive an output.
     pub(crate) fn driving(&self) -> Vec<(u8, bool)> {
         let state = |chip: &Pca9685| (chip.config().address, drives(chip, self.cut));
         let look = |s: &mut I2cSegment| s.chips().iter().map(state).collect();
         self.worn.bus().with(look).unwrap_or_default()
     }
 
-    /// What has flowed so far.
+    /// Counts of transfers, edges and hazards so far.
     pub(crate) fn flowed(&mut self) -> Flowed {
         self.flowed.totals(&self.worn.totals());
         let sum = |s: &mut I2cSegment| s.chips().iter().map(Pca9685::hazard_count).sum();

@@ -92,7 +92,7 @@ impl<'a> Hardware<'a> {
     /// in words.
     ///
     /// # Errors
-    /// As [`ServedDisplay::advance`].
+    /// The errors of [`ServedDisplay::advance`].
     pub fn advance(
         &mut self,
         now: Nanos,

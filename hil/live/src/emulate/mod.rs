@@ -151,7 +151,7 @@ struct Server<'a> {
     epoch: u64,
     /// The I2C node, once there is one.
     node: Option<String>,
-    /// Which chips drive.
+    /// The chips by address, and whether each drives.
     driving: Vec<(u8, bool)>,
     record: Record,
     teller: Teller,

@@ -74,9 +74,9 @@ pub struct PinEdge {
     pub t_ns: u64,
     /// The chip's 7-bit address.
     pub chip: u8,
-    /// Its output.
+    /// The chip's output.
     pub channel: u8,
-    /// High or not.
+    /// Whether the output is high.
     pub high: bool,
 }
 
@@ -85,7 +85,7 @@ pub struct PinEdge {
 pub struct WireRecord {
     /// The chip's 7-bit address.
     pub chip: u8,
-    /// Its output.
+    /// The chip's output.
     pub channel: u8,
     /// Pulses that have ended.
     pub pulses: u64,

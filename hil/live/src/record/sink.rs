@@ -29,11 +29,11 @@ pub enum About<'a> {
 const FLUSH_US: u64 = 100_000;
 
 enum Form {
-    /// With the displays, where there are several.
+    /// Contacts, with the displays where there are several.
     Contacts(Vec<DisplayInfo>, Lines),
-    /// With the names of the interfaces, where they are known.
+    /// Frames, with the names of the interfaces where they are known.
     Candump(Vec<String>, Lines),
-    /// With the period of the boards, ns.
+    /// Entries, with the period of the boards, ns.
     Schedule(u64, Lines),
     Mcap(Box<McapRecording<BufWriter<File>>>),
     Vcd(Box<Vcd<BufWriter<File>>>),

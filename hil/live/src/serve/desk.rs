@@ -66,13 +66,13 @@ struct State {
     stopped: Option<Instant>,
 }
 
-/// What the pages of one person show.
+/// The view that all pages of one person show.
 #[derive(Debug, Default)]
 struct Shown {
     /// Grows with every view.
     number: u64,
     view: Value,
-    /// Of the participant one at most: a newer one takes an older one's place.
+    /// The slots of the pages. A participant has one at most: a newer page takes an older one's place.
     pages: Vec<Arc<Slot>>,
 }
 

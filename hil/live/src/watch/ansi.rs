@@ -9,7 +9,7 @@ use ratatui_core::style::{Color, Modifier};
 #[derive(Debug)]
 pub struct Ansi<W> {
     out: W,
-    /// What is on its screen.
+    /// The cells that the screen shows.
     shown: Buffer,
 }
 
@@ -37,7 +37,7 @@ impl<W: Write> Ansi<W> {
     /// Shows a picture: cells of it go out that are not on the screen. A picture of another size begins on a clear one.
     ///
     /// # Errors
-    /// What the stream says.
+    /// The stream's error.
     pub fn show(&mut self, picture: Buffer) -> io::Result<()> {
         if self.shown.area != picture.area {
             self.out.write_all(b"\x1b[2J")?;

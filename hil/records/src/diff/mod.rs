@@ -52,14 +52,14 @@ pub enum Grade {
 /// One difference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// In words.
+    /// The difference in words.
     pub text: String,
     /// Whether it means anything; else it is cosmetic.
     pub meaning: bool,
-    /// How grave.
+    /// The gravity of the difference.
     #[serde(skip)]
     pub grade: Grade,
-    /// Among its grade: the larger is told first.
+    /// Its place within the grade: the larger is told first.
     #[serde(skip)]
     pub weight: i64,
 }

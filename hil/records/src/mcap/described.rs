@@ -311,9 +311,9 @@ pub fn decode<'a, T: Described<'a> + Default>(message: &'a [u8]) -> Option<T> {
 /// A field of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageField {
-    /// Its name.
+    /// The field's name.
     pub name: &'static str,
-    /// Its kind.
+    /// The field's kind.
     pub kind: FieldKind,
     /// Whether it may have several values.
     pub repeated: bool,
@@ -322,9 +322,9 @@ pub struct MessageField {
 /// A message as a list of its fields, numbered from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MessageSchema {
-    /// Its name within the package `palpate`.
+    /// The message's name within the package `palpate`.
     pub name: &'static str,
-    /// Its fields, in the order of their numbers.
+    /// The message's fields, in the order of their numbers.
     pub fields: Vec<MessageField>,
 }
 

@@ -64,7 +64,8 @@ impl Topic {
         Self { what, number }
     }
 
-    /// What a message of it says: `None` for a damaged one, and inside for what is no event or another topic says better.
+    /// Reads a message of the topic. The outer `None` is a damaged message; the inner one is a message that is no event, or
+    /// that another topic tells better.
     pub(super) fn read(&self, t_ns: u64, message: &[u8]) -> Option<Option<Told>> {
         let t_us = t_ns / 1000;
         let at = Instant::from_micros(t_us);

@@ -100,7 +100,7 @@ impl Svg {
         self.body.push_str("</a>\n");
     }
 
-    /// What is drawn from here on says these words where it is pointed at, until [`Svg::close_words`].
+    /// Gives these words to all that is drawn until [`Svg::close_words`]: they show where the pointer is.
     pub fn open_words(&mut self, words: &str) {
         let _ = writeln!(self.body, "<g><title>{}</title>", escape(words));
     }

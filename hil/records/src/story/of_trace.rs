@@ -79,7 +79,7 @@ impl Story {
         story
     }
 
-    /// What a golden of any kind begins with: title and header, before any table.
+    /// Begins a golden of any kind: title and header, before any table.
     pub fn begun(kind: GoldenKind, trace: &Trace) -> Self {
         let h = &trace.header;
         let length = seconds(measure::length_us(trace));

@@ -23,7 +23,7 @@ fn row(cells: &[&dyn Display]) -> Vec<String> {
     cells.iter().map(|cell| cell.to_string()).collect()
 }
 
-/// The same with those of an estimate behind them, which are empty where there is none.
+/// The cells of a row that ends with an estimate; its cells are empty where there is none.
 fn with_estimate(cells: &[&dyn Display], of: Option<&Estimate>) -> Vec<String> {
     let estimate = of.map_or_else(Default::default, |e| {
         [e.value, e.low, e.high].map(|v| v.to_string())

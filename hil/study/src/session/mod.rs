@@ -63,7 +63,7 @@ pub struct Session {
     /// Of the trial that is open, how often it was begun before.
     attempt: u32,
     declined: bool,
-    /// Of each task whose levels follow from answers, by its wires.
+    /// Methods by task whose levels follow from answers, one per wire.
     methods: BTreeMap<TaskKind, Vec<Thresholding>>,
     step: Step,
 }
@@ -138,7 +138,7 @@ impl Session {
         cues.collect()
     }
 
-    /// What the answers so far say of each wire of a task, dB of full drive: the least level that is felt, or the level that
+    /// Estimates of a task from the answers so far, one per wire, dB of full drive: the least level that is felt, or the level that
     /// feels as strong as the reference. Of `difference` it is the least part of the amplitude that is felt, dB.
     #[must_use]
     pub fn estimates(&self, task: TaskKind) -> Vec<(u16, Estimate)> {

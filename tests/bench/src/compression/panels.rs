@@ -23,7 +23,7 @@ const DRAWN: usize = 4;
 /// A run that keeps every taxel's readings.
 ///
 /// # Errors
-/// As [`host::run`].
+/// The errors of [`host::run`].
 pub(super) fn kept(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
     let keep = Keep {
         readings: KeptReadings::All,
