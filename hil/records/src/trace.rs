@@ -88,9 +88,9 @@ pub struct Header {
     pub bench: String,
     /// Seed of every random stream.
     pub seed: u64,
-    /// SHA-256 of the scene file, first 16 hex digits.
+    /// SHA-256 of the values of the scene, first 16 hex digits.
     pub scene_digest: String,
-    /// SHA-256 of the limit table in force, first 16 hex digits.
+    /// SHA-256 of the values of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
     /// PRE_SCALE of every board: with it the true PWM frequency.
     #[serde(serialize_with = "plain")]

@@ -51,7 +51,7 @@ impl GoldenKind {
         }
     }
 
-    /// What its digests are of.
+    /// The parts of a trace that goldens of the kind have digests of.
     const fn digests(self) -> &'static [&'static str] {
         match self {
             Self::Schedule => &["schedule", "trace"],
@@ -60,6 +60,9 @@ impl GoldenKind {
         }
     }
 }
+
+/// The begin of a line with a digest. Its number is that of the bytes that are digested.
+const DIGEST: &str = "digest 2 of";
 
 /// A line of the header: pieces such as `tau_d 35.000 ms`, under a label or none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

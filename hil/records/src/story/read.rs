@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use super::text::LEDGER;
-use super::{GoldenKind, HeadLine, Story, StoryTiming};
+use super::{DIGEST, GoldenKind, HeadLine, Story, StoryTiming};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::damage::Damage;
 use crate::figures::Figure;
@@ -141,14 +141,17 @@ pub(super) fn read(text: &str) -> Result<Story, Damage> {
     }
     if story.partial {
         // Tables of earlier versions have other columns, and their traces other events.
-        reader.until("digest of ")?;
+        reader.until("digest ")?;
     }
     for of in story.kind.digests() {
-        let digest = reader.begins(&format!("digest of {of}"))?.trim();
+        // Digests of earlier goldens are of other bytes: they say nothing beside today's.
+        let is_earlier = reader.peek().is_some_and(|l| l.starts_with("digest of "));
+        let start = if is_earlier { "digest of" } else { DIGEST };
+        let digest = reader.begins(&format!("{start} {of}"))?.trim();
         if digest.len() != 16 || !digest.bytes().all(|b| b.is_ascii_hexdigit()) {
             return Err(reader.wanted("16 hexadecimal digits"));
         }
-        if !(story.partial && *of == "trace") {
+        if !(is_earlier || story.partial && *of == "trace") {
             story.digests.insert(of, digest.to_owned());
         }
     }

@@ -1,6 +1,6 @@
 //! A story as text, cut to the lines and columns of a golden.
 
-use super::{COLUMNS, GoldenKind, HeadLine, LINES, Story};
+use super::{COLUMNS, DIGEST, GoldenKind, HeadLine, LINES, Story};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::figures::Figure;
 use crate::fixed::{milli, milli_u};
@@ -64,7 +64,7 @@ impl Story {
             GoldenKind::Surface => self.rows(&mut out),
         }
         for (of, digest) in &self.digests {
-            out.put(&format!("digest of {of:<8} {digest}"));
+            out.put(&format!("{DIGEST} {of:<8} {digest}"));
         }
         out.text
     }
