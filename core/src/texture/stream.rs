@@ -96,6 +96,11 @@ impl Stream {
         self.seen
     }
 
+    /// Windows that are open: each takes a step of every sample.
+    pub const fn in_flight(&self) -> usize {
+        self.slots.len()
+    }
+
     /// Takes a sample of every module, `[module][feature]`, raw counts. With `begin` a window starts with it. Returns
     /// the latent vectors `[module][latent]` of the window that ended with it, if one did.
     ///

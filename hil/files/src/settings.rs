@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 /// Numbers that share a range: one, or those that a list or an option holds.
 pub(super) trait Bounded {
-    /// Each of them.
+    /// The type of a single number.
     type Number;
 
     /// The key of the first number outside a range, where all of them stand under `key`.

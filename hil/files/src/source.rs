@@ -379,10 +379,15 @@ fn one(value: &DeValue<'_>, out: &mut String) {
         DeValue::Integer(number) => *out += &format!("{number} "),
         DeValue::Float(number) => *out += &format!("{number} "),
         DeValue::Boolean(truth) => *out += &format!("{truth} "),
-        DeValue::Datetime(date) => *out += &format!("{date} "),
+        // With a mark in front: a time begins as a length does.
+        DeValue::Datetime(date) => *out += &format!("@{date} "),
     }
 }
 
 fn text(words: &str, out: &mut String) {
     *out += &format!("{}:{words}", words.len());
 }
+
+#[cfg(test)]
+#[path = "source_tests.rs"]
+mod tests;

@@ -57,7 +57,7 @@ pub struct Wanted<'a> {
     pub live: Option<&'a Live>,
     /// The pages of a study, of which each may stop the run.
     pub desk: Option<&'a Desk>,
-    /// Standard error gets errors alone.
+    /// Whether standard error gets errors alone.
     pub quiet: bool,
     /// Files that grow.
     pub files: &'a [(Format, PathBuf)],

@@ -25,7 +25,7 @@ struct Held {
 
 /// What is in a loop at any time.
 struct State {
-    /// None once it is closed, or left by a panic.
+    /// The session and its hands; none once it is closed, or left by a panic.
     held: Option<Box<Held>>,
     /// When the boards have started.
     ready: Instant,

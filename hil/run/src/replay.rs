@@ -160,11 +160,11 @@ impl Share {
 
 /// Rows of one module, or of several side by side.
 struct Source<'a> {
-    /// None after the last row.
+    /// The rows that are left; none after the last one.
     rows: Option<Box<dyn NextRow + 'a>>,
     /// The time from which rows are counted: that of the first row where it is not given.
     first: Option<u64>,
-    /// When the next row is due, counted from there; none while it is not pulled.
+    /// The time at which the next row is due, counted from the first; none while it is not pulled.
     due: Option<u64>,
     row: Vec<u16>,
     modules: Vec<Share>,

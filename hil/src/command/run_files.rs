@@ -1,5 +1,6 @@
 //! The files that `hil run` writes: which, checked before it begins, and how.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{Format, Setup};
@@ -99,10 +100,11 @@ fn write_one(format: Format, path: &Path, setup: &Setup, outcome: &Outcome) -> R
         Format::Candump => write_can_log(&outcome.can, &[], out),
         Format::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
         Format::Html => out.write_all(report(outcome).as_bytes()),
-        _ => {
+        Format::Json => {
             serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
             writeln!(out)
         }
+        other => Err(io::Error::other(format!("{} is no record", other.noun()))),
     })?;
     match format {
         Format::Contacts => write_sidecar(path, Some(&outcome.trace.header)),

@@ -55,7 +55,7 @@ fn way(part: f64, slope: f64) -> f64 {
 }
 
 impl Quest {
-    /// Nothing is known yet over a domain, none of whose lists is empty.
+    /// A method that knows nothing yet, over a domain none of whose lists is empty.
     pub fn new(domain: QuestDomain) -> Self {
         let count = domain.thresholds.len() * domain.slopes.len();
         let (guess, lapse, part) = (domain.guess, domain.lapse, domain.part);

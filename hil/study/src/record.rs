@@ -36,7 +36,7 @@ pub struct About {
     pub palpate: String,
     /// Name of the protocol.
     pub protocol: String,
-    /// SHA-256 of its file, first 16 hex digits.
+    /// SHA-256 of the values of the protocol's file, first 16 hex digits.
     pub protocol_digest: String,
     /// From 1 on.
     pub participant: u32,
@@ -46,7 +46,7 @@ pub struct About {
     pub bench: String,
     /// `emulated` or `real`.
     pub source: String,
-    /// SHA-256 of the limit table in force, first 16 hex digits.
+    /// SHA-256 of the values of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
     /// Where the display's wires lie, mm.
     pub wires_mm: Vec<[f64; 2]>,

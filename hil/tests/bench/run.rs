@@ -81,8 +81,12 @@ impl<'a> Run<'a> {
 
     #[track_caller]
     fn wait_for(&self, so: impl Fn() -> bool) {
-        let known = is_soon(ON, || so() || self.ended().is_some());
-        assert!(known && so(), "it does not drive: {:?}", self.texts());
+        let mut seen = false;
+        is_soon(ON, || {
+            seen = so();
+            seen || self.ended().is_some()
+        });
+        assert!(seen, "it does not drive: {:?}", self.texts());
     }
 
     /// The guardian's process, of a run that was on.

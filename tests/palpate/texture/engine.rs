@@ -101,6 +101,7 @@ fn windows_in_flight_are_single_windows_bit_for_bit() {
         let at_once = stream.newest(&mut room).map(bits);
         assert_eq!(ended, at_once, "sample {n}");
         assert_eq!(ended.is_some(), n >= 99, "sample {n}");
+        assert_eq!(stream.in_flight(), (n + 1).min(99));
         found.extend(ended);
     }
     assert_eq!(found, expected);
@@ -124,6 +125,7 @@ fn on_demand_gives_the_bits_of_every_hop() {
     };
     let mut stream = Stream::new(encoder, 1);
     let asked = streamed(&mut stream, &values, 45, ends, 100);
+    assert!(stream.in_flight() <= 18);
     let expected: Vec<_> = every
         .into_iter()
         .filter(|(n, _)| {

@@ -18,7 +18,7 @@ pub(crate) struct ServedDisplay {
     /// 7-bit addresses of the chips, by number.
     addresses: Vec<u8>,
     flowed: Flowed,
-    /// When an output last changed, or the line that cuts all of them.
+    /// The time of the last change of an output, or of the line that cuts all of them.
     last_edge: Nanos,
     /// Whether the line on the chips' OE pins is high.
     cut: bool,
@@ -77,18 +77,19 @@ impl ServedDisplay {
         (self.last_edge, self.cut) = (now, cut);
     }
 
-    /// When the last transfer has ended on the emulated wire, and how many there were.
+    /// The time at which the last transfer has ended on the emulated wire, and how many there were.
     pub(super) fn transfers(&self) -> (Nanos, u64) {
         let look = |s: &mut I2cSegment| (s.now(), s.transactions());
         self.worn.bus().with(look).unwrap_or_default()
     }
 
-    /// When an output last changed or a transfer ended, whichever is later.
+    /// The time of the last change of an output or of the last end of a transfer, whichever is later.
     pub(super) fn changed(&self) -> Nanos {
         self.last_edge.max(self.transfers().0)
     }
 
-    /// The address of each chip, and whether the chip drives or is going to drive an output.
+    /// The address of each chip, and whether the chip drives or is going to drive an output; none while the bus cannot be
+    /// looked at.
     pub(crate) fn driving(&self) -> Vec<(u8, bool)> {
         let state = |chip: &Pca9685| (chip.config().address, drives(chip, self.cut));
         let look = |s: &mut I2cSegment| s.chips().iter().map(state).collect();

@@ -70,7 +70,7 @@ pub enum Told<'a> {
 /// An output that changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct PinEdge {
-    /// When, on the emulated pin: nanoseconds of CLOCK_MONOTONIC.
+    /// The time of the change on the emulated pin, nanoseconds of CLOCK_MONOTONIC.
     pub t_ns: u64,
     /// The chip's 7-bit address.
     pub chip: u8,

@@ -135,7 +135,7 @@ impl Sink {
                 vcd.get_mut().flush().map_err(told())?;
                 Form::Vcd(Box::new(vcd))
             }
-            (_, About::Run(header, ..)) => {
+            (Format::Contacts | Format::Schedule | Format::Candump, About::Run(header, ..)) => {
                 let mut first = Vec::new();
                 let rendered = match format {
                     Format::Contacts => {
@@ -157,6 +157,13 @@ impl Sink {
             }
             (Format::Candump, About::Buses(interfaces)) => {
                 Form::Candump(interfaces.to_vec(), Lines { file, length: 0 })
+            }
+            (format, About::Run(..)) => {
+                return Err(Failure::Input(format!(
+                    "{}: expected a record that grows, found {}",
+                    path.display(),
+                    format.noun()
+                )));
             }
             (_, About::Buses(_)) => {
                 return Err(Failure::Input(format!(

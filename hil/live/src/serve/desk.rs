@@ -69,7 +69,7 @@ struct State {
 /// The view that all pages of one person show.
 #[derive(Debug, Default)]
 struct Shown {
-    /// Grows with every view.
+    /// The number of the newest view; it grows with each.
     number: u64,
     view: Value,
     /// The slots of the pages. A participant has one at most: a newer page takes an older one's place.

@@ -55,9 +55,11 @@ impl Topic {
     pub(super) fn of(name: &str) -> Self {
         let (mut what, mut number) = (Vec::new(), 0);
         for part in name.split('/') {
-            match part.parse() {
-                Ok(of) => number = of,
-                Err(_) => what.push(part),
+            // Modules and wires alone are numbered.
+            let is_numbered = matches!(what.last(), Some(&("taxels" | "wire")));
+            match part.parse().ok().filter(|_| is_numbered) {
+                Some(of) => number = of,
+                None => what.push(part),
             }
         }
         let what = what.join("/");

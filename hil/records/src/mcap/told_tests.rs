@@ -90,7 +90,15 @@ fn what_is_no_message_of_its_topic_is_left_out() {
     for (name, message) in damaged {
         assert_eq!(Topic::of(name).read(0, message), None, "{name}");
     }
-    for name in ["/wire/x/pin", "/wire/1", "/taxels/", "/skin/0", "/i2c"] {
+    for name in [
+        "/wire/x/pin",
+        "/wire/1",
+        "/taxels/",
+        "/skin/0",
+        "/i2c",
+        "/frames/7",
+        "/3/contacts",
+    ] {
         assert_eq!(Topic::of(name).read(0, &[0x08]), Some(None), "{name}");
     }
 }

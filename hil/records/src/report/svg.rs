@@ -105,7 +105,7 @@ impl Svg {
         let _ = writeln!(self.body, "<g><title>{}</title>", escape(words));
     }
 
-    /// The words' part ends here.
+    /// Ends what [`Svg::open_words`] began.
     pub fn close_words(&mut self) {
         self.body.push_str("</g>\n");
     }
@@ -122,7 +122,7 @@ impl Svg {
     }
 }
 
-/// [`Svg::standalone`] of a drawing that is text already.
+/// Makes a file of its own of a drawing that is text, as [`Svg::standalone`] does of one that is not.
 pub fn standalone(drawing: &str, rules: &str) -> String {
     let card = "svg{background:var(--card);font-family:system-ui,sans-serif}";
     let style = format!("\n<style>{STYLE}{card}{rules}</style>\n");
