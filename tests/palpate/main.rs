@@ -39,5 +39,6 @@ mod shared_boards;
 mod shown;
 mod texture;
 mod tidy;
+mod told;
 mod unit;
 mod warmth;

@@ -104,6 +104,15 @@ pub struct RunKey {
 }
 
 impl RunKey {
+    /// The same key with every swept value as [`by_number`] has it.
+    pub fn by_number(&self) -> Self {
+        let set = self.set.iter();
+        Self {
+            set: set.map(|(k, v)| (k.clone(), by_number(v))).collect(),
+            ..self.clone()
+        }
+    }
+
     /// A run among those of its sweep: `at a=1, b=2, seed 3`.
     pub fn place(&self) -> String {
         let mut set: Vec<String> = self
@@ -127,6 +136,19 @@ pub struct RunRow {
     pub why: String,
     /// What it measured.
     pub values: Values,
+}
+
+/// A swept value as runs are told apart by: a number is the same however it is written, so `0.020` is `0.02`.
+pub fn by_number(value: &str) -> String {
+    // A float would take whole numbers beyond 2^53 for one another.
+    if let Ok(whole) = value.parse::<i128>() {
+        return whole.to_string();
+    }
+    match value.replace('_', "").parse::<f64>() {
+        // Minus zero is zero.
+        Ok(number) if number.is_finite() => (number + 0.0).to_string(),
+        _ => value.to_owned(),
+    }
 }
 
 /// How a table is written.
@@ -240,7 +262,7 @@ impl RunTable {
     /// does not end is left out.
     ///
     /// # Errors
-    /// The first line that is no row.
+    /// The first line that is no row, or that contradicts an earlier one: both are of one key, and differ.
     pub fn read(text: &str) -> Result<Self, Damage> {
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         let mut table = Self {
@@ -248,6 +270,7 @@ impl RunTable {
             whole,
         };
         let mut swept: Option<Vec<String>> = None;
+        let mut numbers = Vec::new();
         let lines = text[..whole].trim_start_matches('\u{feff}').lines();
         for (number, line) in (1..).zip(lines) {
             let bad = |expected: &str| Damage::of_line(number, expected, line);
@@ -257,6 +280,7 @@ impl RunTable {
             if line.starts_with('{') {
                 let row = of_object(line).ok_or_else(|| bad("a row of a sweep (JSON)"))?;
                 table.rows.push(row);
+                numbers.push(number);
             } else if line.starts_with("scene,") {
                 let keys = of_head(line).ok_or_else(|| bad("the heading of a sweep's table"))?;
                 swept = Some(keys);
@@ -266,9 +290,33 @@ impl RunTable {
                     .ok_or_else(|| bad("the heading of a sweep's table"))?;
                 let row = of_fields(line, keys).ok_or_else(|| bad("a row of a sweep (CSV)"))?;
                 table.rows.push(row);
+                numbers.push(number);
             }
         }
-        Ok(table)
+        match table.contradiction() {
+            None => Ok(table),
+            Some((first, second)) => {
+                let place = table.rows[second].key.place();
+                let expected = format!("what line {} says {place}", numbers[first]);
+                let line = text.lines().nth(numbers[second] - 1).unwrap_or_default();
+                Err(Damage::of_line(numbers[second], &expected, line))
+            }
+        }
+    }
+
+    /// The first row that differs from one of its key, behind that one.
+    fn contradiction(&self) -> Option<(usize, usize)> {
+        let rows = self.rows.iter().enumerate();
+        let mut keys: Vec<(RunKey, usize)> =
+            rows.map(|(n, row)| (row.key.by_number(), n)).collect();
+        keys.sort_unstable();
+        let of_one = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let pairs = of_one.map(|pair| (pair[0].1, pair[1].1));
+        let differ = pairs.filter(|&(before, row)| {
+            let (before, row) = (&self.rows[before], &self.rows[row]);
+            (before.verdict, &before.why, &before.values) != (row.verdict, &row.why, &row.values)
+        });
+        differ.min_by_key(|pair| pair.1)
     }
 }
 

@@ -82,3 +82,44 @@ fn a_line_of_another_table_is_named() {
         assert_eq!(RunTable::read(&text).unwrap_err().line, line, "{text}");
     }
 }
+
+#[test]
+fn a_row_that_contradicts_another_of_its_key_is_named_with_it() {
+    for form in [TableForm::Csv, TableForm::Lines] {
+        let first = row(1, "0.02");
+        let mut other = row(1, "0.020");
+        let keys = [row(2, "0.02"), first.clone(), row(3, "0.02"), other.clone()];
+        assert_eq!(RunTable::read(&text(form, &keys)).unwrap().rows.len(), 4);
+        other.values.insert("felt_level_db", 3.5);
+        let damage = RunTable::read(&text(form, &[row(2, "0.02"), first.clone(), other.clone()]));
+        let damage = damage.unwrap_err();
+        let heading = usize::from(form == TableForm::Csv);
+        assert_eq!(damage.line, heading + 3);
+        let words = format!(
+            "expected what line {} says at illusion.shape=0.020",
+            heading + 2
+        );
+        assert!(damage.to_string().contains(&words), "{damage}");
+        // Of another version it is another run.
+        other.key.version = "0.2.0".into();
+        RunTable::read(&text(form, &[first, other])).unwrap();
+    }
+}
+
+#[test]
+fn a_number_is_one_value_however_it_is_written() {
+    for (value, number) in [
+        ("0.020", "0.02"),
+        ("2e1", "20"),
+        ("20.0", "20"),
+        ("+7", "7"),
+        ("1_000", "1000"),
+        ("-0.0", "0"),
+        ("9007199254740993", "9007199254740993"),
+        ("nan", "nan"),
+        ("balanced", "balanced"),
+        ("[0.020]", "[0.020]"),
+    ] {
+        assert_eq!(by_number(value), number);
+    }
+}

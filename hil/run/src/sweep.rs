@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use palpate_files::{Overrides, Setup};
 use palpate_records::digest::short_digest;
-use palpate_records::runs::{RunKey, RunRow, values};
+use palpate_records::runs::{RunKey, RunRow, by_number, values};
 
 use crate::header::files;
 use crate::policy::refuse_hardware;
@@ -34,7 +34,8 @@ impl Grid {
     /// A grid of these.
     ///
     /// # Errors
-    /// [`Failure::Input`] for an axis without values, a key, value or seed that is there twice, and too many points.
+    /// [`Failure::Input`] for an axis without values, a key, value (by number) or seed that is there twice, and too many
+    /// points.
     pub fn new(axes: Vec<Axis>, seeds: Vec<u64>) -> Result<Self, Failure> {
         let twice = |what: &str, value: &dyn std::fmt::Display| {
             Failure::Input(format!("{what}: expected each once, found {value} again"))
@@ -43,10 +44,16 @@ impl Grid {
             if axes[..n].iter().any(|before| before.key == axis.key) {
                 return Err(twice("--set", &axis.key));
             }
-            for (n, value) in axis.values.iter().enumerate() {
-                if axis.values[..n].contains(value) {
-                    return Err(twice(&format!("--set {}", axis.key), value));
-                }
+            let mut seen: BTreeMap<String, &str> = BTreeMap::new();
+            for value in &axis.values {
+                let Some(before) = seen.insert(by_number(value), value) else {
+                    continue;
+                };
+                let found = match before == value {
+                    true => value.clone(),
+                    false => format!("{before} as {value}"),
+                };
+                return Err(twice(&format!("--set {}", axis.key), &found));
             }
         }
         let mut sorted = seeds.clone();

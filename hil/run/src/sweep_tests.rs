@@ -27,6 +27,11 @@ fn the_first_axis_moves_slowest_and_what_is_there_twice_is_refused() {
             "found a again",
         ),
         (vec![axis("a", &["1", "1"])], vec![1], "found 1 again"),
+        (
+            vec![axis("a", &["0.02", "x", "0.020"])],
+            vec![1],
+            "--set a: expected each once, found 0.02 as 0.020 again",
+        ),
         (vec![], vec![4, 5, 4], "found 4 again"),
         (vec![axis("a", &[])], vec![1], "found 0"),
         (vec![], vec![], "found 0"),

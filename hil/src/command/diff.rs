@@ -29,25 +29,30 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
             "--window: expected a schedule (.jsonl) and a capture (.vcd, .csv) to compare, found other files".into(),
         ));
     }
+    let thousandths = |value: f64| (value * 1e3).round() as u64;
+    let edge_us = args.tolerance_ms.map(thousandths);
+    let place_um = args.tolerance_mm.map(thousandths);
     if is_long_schedule(&args.a) && is_long_schedule(&args.b) {
-        let edge_us = args.tolerance_ms.map(|ms| (ms * 1e3).round() as u64);
         let (name, found, until) = long([&args.a, &args.b], edge_us)?;
         return told(args, color, (&name, &found), until);
     }
     let (mut a, mut b) = (open(&args.a)?, open(&args.b)?);
     let (name, found) = match (&mut a, &mut b) {
         (File::Contacts(a), File::Contacts(b)) => {
-            let tolerance = Tolerance {
-                place_um: args.tolerance_mm.map_or(0, |mm| (mm * 1e3).round() as u64),
-                ..Tolerance::default()
+            let bands = Tolerance {
+                place_um: place_um.unwrap_or(0),
+                ..Tolerance::HARDWARE
+            };
+            let tolerance = match bands.place_um {
+                0 => Tolerance::default(),
+                _ => bands,
             };
             ("contacts".to_owned(), contacts((args, a, b), tolerance)?)
         }
         (File::Story(a), File::Story(b)) if a.kind == b.kind => {
             let mut tolerance = Tolerance::between(a, b);
-            if let Some(ms) = args.tolerance_ms {
-                tolerance.edge_us = (ms * 1e3).round() as u64;
-            }
+            tolerance.edge_us = edge_us.unwrap_or(tolerance.edge_us);
+            tolerance.place_um = place_um.unwrap_or(tolerance.place_um);
             (b.scene.clone(), compare(a, b, tolerance))
         }
         (a, b) => {

@@ -8,30 +8,41 @@ use palpate_records::verdict::Verdict;
 
 use super::difference::{Compared, Difference, Tolerance};
 
-/// What pairs runs of two tables: files and version may differ, for that is what is compared.
+/// What pairs runs of two tables, values by number: files and version may differ, for that is what is compared.
 fn paired(key: &RunKey) -> RunKey {
     RunKey {
         digest: String::new(),
         version: String::new(),
-        ..key.clone()
+        ..key.by_number()
     }
 }
 
-/// Holds the runs that both tables have against each other. Runs that one of them lacks make it incomplete.
+/// Holds the runs that both tables have against each other. Runs that one of them lacks, or has in two ways, make it
+/// incomplete.
 pub fn compare_tables(a: &RunTable, b: &RunTable, tolerance: Tolerance) -> Compared {
-    let by_key = |table: &RunTable| -> BTreeMap<RunKey, RunRow> {
-        table
-            .rows
-            .iter()
-            .map(|row| (paired(&row.key), row.clone()))
-            .collect()
+    let mut compared = Compared::default();
+    let mut by_key = |table: &RunTable, which: &str| {
+        let mut all: BTreeMap<RunKey, RunRow> = BTreeMap::new();
+        let mut twice = 0;
+        for row in &table.rows {
+            let other =
+                |before: RunRow| before.verdict != row.verdict || before.values != row.values;
+            let before = all.insert(paired(&row.key), row.clone());
+            twice += usize::from(before.is_some_and(other));
+        }
+        if twice > 0 {
+            let text = format!(
+                "the {which} table has {twice} runs of another version or digest too, which differ"
+            );
+            compared.conclusion.add(Verdict::Incomplete, text);
+        }
+        all
     };
-    let (of_a, of_b) = (by_key(a), by_key(b));
+    let (of_a, of_b) = (by_key(a, "first"), by_key(b, "second"));
     let pairs: Vec<(&RunRow, &RunRow)> = of_a
         .iter()
         .filter_map(|(key, row)| Some((row, of_b.get(key)?)))
         .collect();
-    let mut compared = Compared::default();
     for (table, other, which) in [(&of_a, &of_b, "second"), (&of_b, &of_a, "first")] {
         let lacking = table.keys().filter(|key| !other.contains_key(*key)).count();
         if lacking > 0 {

@@ -47,4 +47,29 @@ fn versions_may_differ_and_runs_that_lack_are_told() {
     );
     let found = compare_tables(&a, &table(&[(9, 2.0, "0.2")]), Tolerance::default());
     assert_eq!(found.conclusion.verdict, Verdict::Incomplete);
+    let both = table(&[(1, 2.0, "0.1"), (2, 4.0, "0.1"), (2, 9.0, "0.2")]);
+    let found = compare_tables(&both, &a, Tolerance::default());
+    assert!(
+        found
+            .conclusion
+            .why
+            .iter()
+            .any(|why| why.starts_with("the first table has 1 runs of another version")),
+        "{:?}",
+        found.conclusion
+    );
+}
+
+#[test]
+fn values_pair_by_number() {
+    let table = |shape: &str, error: f64| {
+        let mut table = table(&[(1, error, "0.1")]);
+        let set = [("illusion.shape".to_owned(), shape.to_owned())];
+        table.rows[0].key.set = set.into();
+        table
+    };
+    let (a, b) = (table("0.02", 2.0), table("0.020", 3.0));
+    let found = compare_tables(&a, &b, Tolerance::default());
+    assert_eq!(found.conclusion.verdict, Verdict::Failed);
+    assert_eq!(found.differences.len(), 1);
 }

@@ -146,6 +146,10 @@ fn what_cannot_be_is_said_before_anything_runs() {
             &["--set", "length_s=2", "--set", "length_s=2"],
             &["each once", "length_s"],
         ),
+        (
+            &["--set", "illusion.soa_ms=117,117.0"],
+            &["each once", "117 as 117.0"],
+        ),
         (&["--set", "length_s"], &["KEY=VALUE,VALUE"]),
         (&["--seeds", "4..1"], &["--seeds", "1..20"]),
         (&["--seeds", "1..4,2"], &["each once", "2 again"]),
@@ -172,6 +176,16 @@ fn what_cannot_be_is_said_before_anything_runs() {
     assert_eq!(folder.text("t.csv"), before);
     good(&scene(&["--set", "length_s=1,2", "--seeds", "1,2"]));
     assert_eq!(rows(&folder.text("t.csv")), 4);
+    // Two rows of one key that contradict one another name both lines.
+    let text = folder.text("t.csv");
+    let row = text.lines().nth(2).unwrap();
+    let (rest, rate) = row.rsplit_once(',').unwrap();
+    folder.write("t.csv", &format!("{text}{rest},1{rate}\n"));
+    refused_with(
+        &scene(&["--set", "length_s=1,2", "--seeds", "1,2"]),
+        &["t.csv:6: expected what line 3 says at length_s=1, seed 2"],
+    );
+    folder.write("t.csv", &text);
     good(&scene(&["--force", "--set", "length_s=2"]));
     assert_eq!(rows(&folder.text("t.csv")), 1);
 }

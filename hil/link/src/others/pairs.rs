@@ -50,8 +50,8 @@ const fn said(contact: &event::Contact) -> (u16, PlaceUm, u32, u16) {
     )
 }
 
-/// The wearer's frames at the robot's times, those of the frames that say the same. What has no such frame near keeps its
-/// own time. Also how many have one.
+/// The wearer's frames at the robot's times and under its numbers, those of the frames that say the same. What has no
+/// such frame near keeps its own. Also how many have one.
 pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<Frame>, usize) {
     let within_us = within_us.saturating_add(AGE_US);
     let (mut next, mut same) = (0, 0);
@@ -70,17 +70,19 @@ pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<
         let mut frame = frame.clone();
         if let Some(found) = found {
             (next, same) = (found + 1, same + 1);
-            retime(&mut frame, robot[found].t_us);
+            take_over(&mut frame, &robot[found]);
         }
         all.entry(frame.t_us).or_insert(frame);
     }
     (all.into_values().collect(), same)
 }
 
-fn retime(frame: &mut Frame, to_us: u64) {
-    frame.t_us = to_us;
-    let contacts = frame.contacts.iter_mut();
-    contacts.for_each(|contact| contact.t_us = to_us);
+/// Takes over time and number of a frame that says the same.
+fn take_over(frame: &mut Frame, same: &Frame) {
+    frame.t_us = same.t_us;
+    for (contact, of_same) in frame.contacts.iter_mut().zip(&same.contacts) {
+        (contact.t_us, contact.frame) = (of_same.t_us, of_same.frame);
+    }
 }
 
 /// Writes the contacts of frames, as `hil diff` reads them.

@@ -24,7 +24,7 @@ fn of(rows: &[(u64, u32, f64)]) -> Vec<Frame> {
 }
 
 #[test]
-fn a_frame_of_the_wearer_has_the_time_of_the_robots_frame_that_says_the_same() {
+fn a_frame_of_the_wearer_has_time_and_number_of_the_robots_frame_that_says_the_same() {
     let robot = of(&[
         (10_000, 1, 0.1),
         (20_000, 2, 0.2),
@@ -41,6 +41,8 @@ fn a_frame_of_the_wearer_has_the_time_of_the_robots_frame_that_says_the_same() {
     let (paired, same) = paired(&robot, &wearer, 5000);
     let times: Vec<u64> = paired.iter().map(|frame| frame.t_us).collect();
     assert_eq!((times, same), (vec![10_000, 30_000, 40_000, 54_000], 3));
+    let numbers: Vec<u32> = paired.iter().map(|f| f.contacts[0].frame).collect();
+    assert_eq!(numbers, [1, 3, 4, 4]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::align::align;
 use super::words::{at, count, list, ms, signed};
-use super::{Difference, Grade, Tolerance};
+use super::{Difference, Grade, Tolerance, shared};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::story::Story;
 use palpate_core::schedule::Reason;
@@ -80,6 +80,25 @@ impl Tally {
     }
 }
 
+/// Widths that are others: where, and by how many ticks at least and at most.
+#[derive(Default)]
+struct Change {
+    tally: Tally,
+    by: Option<(i64, i64)>,
+}
+
+impl Change {
+    fn add(&mut self, burst: &Burst, (was, is): (u16, u16)) {
+        if was == is {
+            return;
+        }
+        let by = i64::from(is) - i64::from(was);
+        let (low, high) = self.by.unwrap_or((by, by));
+        self.by = Some((low.min(by), high.max(by)));
+        self.tally.add(burst.output, burst.from_us);
+    }
+}
+
 /// Everything found between two sets of bursts.
 #[derive(Default)]
 struct Found {
@@ -88,8 +107,8 @@ struct Found {
     gone: Tally,
     moves: BTreeMap<(Move, i64), Tally>,
     within: usize,
-    wider: Tally,
-    widths: (i64, i64),
+    wider: Change,
+    asked: Change,
     limited: BTreeMap<Reason, Tally>,
     freed: BTreeMap<Reason, Tally>,
 }
@@ -102,13 +121,24 @@ fn difference(later: u64, earlier: u64) -> i64 {
 /// The bursts of each output.
 type Trains = BTreeMap<DrivenOutput, Vec<Burst>>;
 
-/// The bursts that begin before a time.
-fn trains(story: &Story, until_us: u64) -> Trains {
-    let mut found = Trains::new();
-    for burst in story.bursts.iter().filter(|b| b.from_us < until_us) {
-        found.entry(burst.output).or_default().push(*burst);
-    }
-    found
+/// The bursts that both list, by output.
+fn trains(a: &Story, b: &Story) -> [Trains; 2] {
+    let lists = shared(&a.bursts, &b.bursts, known_until(a, b), |b| b.from_us);
+    lists.map(|list| {
+        let mut found = Trains::new();
+        for burst in list {
+            found.entry(burst.output).or_default().push(*burst);
+        }
+        found
+    })
+}
+
+/// The outputs whose bursts differ, as far as both list them.
+pub(super) fn differing(a: &Story, b: &Story) -> BTreeSet<DrivenOutput> {
+    let [first, second] = trains(a, b);
+    let outputs = first.keys().chain(second.keys());
+    let differ = outputs.filter(|output| first.get(*output) != second.get(*output));
+    differ.copied().collect()
 }
 
 /// Until when both list their bursts; `None` where both list all.
@@ -151,8 +181,7 @@ fn delay(a: &Trains, b: &Trains) -> i64 {
 /// Tells what the bursts of two stories differ by.
 pub(super) fn tell(a: &Story, b: &Story, tolerance: Tolerance, out: &mut Vec<Difference>) {
     let soa_us = a.timing.soa_us.max(1);
-    let until = known_until(a, b).unwrap_or(u64::MAX);
-    let (mut first, second) = (trains(a, until), trains(b, until));
+    let [mut first, second] = trains(a, b);
     let by = delay(&first, &second);
     if by != 0 {
         for stay in first.values_mut().flatten() {
@@ -234,14 +263,13 @@ fn compare(
                     .add(output, x.from_us);
             }
         }
-        // A width that the limiter changed is told by the limiter's event.
-        if x.width != y.width && x.reason == y.reason {
-            let by = i64::from(y.width) - i64::from(x.width);
-            found.wider.add(output, x.from_us);
-            found.widths = match found.widths {
-                (0, 0) => (by, by),
-                (low, high) => (low.min(by), high.max(by)),
-            };
+        // What the limiter changed is told by the limiter's event.
+        if x.reason == y.reason {
+            found.wider.add(x, (x.width, y.width));
+            // Of a burst that is as wide as was asked for, the width says both.
+            if (x.requested, y.requested) != (x.width, y.width) {
+                found.asked.add(x, (x.requested, y.requested));
+            }
         }
     }
 }
@@ -269,8 +297,8 @@ fn words(found: &Found, tick_ns: u64, tolerance: Tolerance, out: &mut Vec<Differ
     for kind in [Move::Rise, Move::Fall, Move::Whole] {
         moved(found, kind, out);
     }
-    if found.wider.total() > 0 {
-        out.push(wider(found, tick_ns));
+    for (what, change) in [("pulses of", &found.wider), ("requests for", &found.asked)] {
+        out.extend(ticks(what, change, tick_ns));
     }
 }
 
@@ -332,9 +360,9 @@ fn moved(found: &Found, kind: Move, out: &mut Vec<Difference>) {
     out.push(weighed(Grade::Edge, &all, text));
 }
 
-/// Pulses that changed their width; a tick takes `tick_ns`.
-fn wider(found: &Found, tick_ns: u64) -> Difference {
-    let (low, high) = found.widths;
+/// Widths that are others, if any are; a tick takes `tick_ns`.
+fn ticks(what: &str, change: &Change, tick_ns: u64) -> Option<Difference> {
+    let (low, high) = change.by?;
     let tick_ns = i64::try_from(tick_ns).unwrap_or(0);
     let us = |ticks: i64| signed(ticks.saturating_mul(tick_ns));
     let by = if low == high {
@@ -343,7 +371,7 @@ fn wider(found: &Found, tick_ns: u64) -> Difference {
         let (from, to) = (us(low), us(high));
         format!("by {low:+} to {high:+} ticks ({from} to {to} us)")
     };
-    let (who, when) = (found.wider.who(), found.wider.when());
-    let text = format!("pulses of {who} change {by}, {when}");
-    weighed(Grade::Width, &found.wider, text)
+    let (who, when) = (change.tally.who(), change.tally.when());
+    let text = format!("{what} {who} change {by}, {when}");
+    Some(weighed(Grade::Width, &change.tally, text))
 }

@@ -4,6 +4,7 @@
 //! gravest first; [`tell`] says it in ten lines and a count.
 
 mod align;
+mod drawn;
 mod edges;
 mod moments;
 mod recording;
@@ -15,6 +16,7 @@ use serde::Serialize;
 use crate::story::{GoldenKind, Story};
 use crate::trace::Source;
 pub use align::{Alignment, align};
+use drawn::drawings;
 use moments::moments;
 pub use recording::{Contacts, compare_contacts};
 use tables::{digests, figures, heads, rows};
@@ -82,7 +84,8 @@ pub struct Tolerance {
     pub edge_us: u64,
     /// Contacts this far apart are in the same place, micrometres.
     pub place_um: u64,
-    /// Measured values this far apart, in thousandths of the larger, are the same.
+    /// Measured values this far apart, in thousandths of the larger, are the same. Where it is not 0, so are counts that
+    /// are one apart.
     pub permille: u16,
 }
 
@@ -106,6 +109,64 @@ impl Tolerance {
     fn is_none(self) -> bool {
         self == Self::default()
     }
+
+    /// Whether two texts say the same: their words are equal, or numbers within the band of the unit behind them.
+    fn alike(self, a: &str, b: &str) -> bool {
+        if a == b || self.is_none() {
+            return a == b;
+        }
+        let (a, b): (Vec<&str>, Vec<&str>) = (
+            a.split_whitespace().collect(),
+            b.split_whitespace().collect(),
+        );
+        let unit = |index: usize| a.get(index + 1).copied().unwrap_or_default();
+        let mut pairs = a.iter().zip(&b).enumerate();
+        a.len() == b.len() && pairs.all(|(index, (x, y))| x == y || self.near(x, y, unit(index)))
+    }
+
+    /// Whether two numbers, or the ends of two ranges, lie within the band of their unit.
+    fn near(self, x: &str, y: &str, unit: &str) -> bool {
+        let ends = |text: &str| -> Option<Vec<f64>> {
+            let number = |end: &str| end.parse().ok().filter(|v: &f64| v.is_finite());
+            text.split("..").map(number).collect()
+        };
+        let Some((from, to)) = ends(x).zip(ends(y)) else {
+            return false;
+        };
+        let mut parts = x.split("..").chain(y.split(".."));
+        let are_counts = self.permille > 0 && parts.all(|part| !part.contains('.'));
+        let least = if are_counts { 1.0 } else { 0.0 };
+        let band = |larger: f64| match unit {
+            "s" => self.edge_us as f64 * 1e-6,
+            "ms" => self.edge_us as f64 * 1e-3,
+            "us" => self.edge_us as f64,
+            "mm" => self.place_um as f64 * 1e-3,
+            _ => (larger * f64::from(self.permille) * 1e-3).max(least),
+        };
+        // What is printed has three places.
+        let near = |(x, y): (&f64, &f64)| (x - y).abs() <= band(x.abs().max(y.abs())) + 1e-6;
+        from.len() == to.len() && from.iter().zip(&to).all(near)
+    }
+}
+
+/// The parts of two lists that can be held against each other where one is cut after `until_us`: what comes before that,
+/// and where this is the same, as many as both have. Both are sorted by time.
+fn shared<'l, T: PartialEq>(
+    a: &'l [T],
+    b: &'l [T],
+    until_us: Option<u64>,
+    time: fn(&T) -> u64,
+) -> [&'l [T]; 2] {
+    let Some(until_us) = until_us else {
+        return [a, b];
+    };
+    let before = |list: &'l [T]| &list[..list.partition_point(|one| time(one) < until_us)];
+    let parts = [before(a), before(b)];
+    if parts[0] != parts[1] {
+        return parts;
+    }
+    let most = a.len().min(b.len());
+    [&a[..most], &b[..most]]
 }
 
 /// Everything that differs, gravest first.
@@ -115,7 +176,7 @@ pub fn compare(a: &Story, b: &Story, tolerance: Tolerance) -> Vec<Difference> {
         let text = format!("scene {} -> {}", a.scene, b.scene);
         all.push(Difference::new(Grade::Cosmetic, false, 0, text));
     }
-    heads(a, b, &mut all);
+    heads(a, b, tolerance, &mut all);
     figures(a, b, tolerance, &mut all);
     if a.kind == GoldenKind::Schedule && b.kind == GoldenKind::Schedule {
         edges::tell(a, b, tolerance, &mut all);
@@ -133,8 +194,10 @@ pub fn compare(a: &Story, b: &Story, tolerance: Tolerance) -> Vec<Difference> {
         );
         all.push(Difference::new(Grade::Setting, false, -1, text));
     }
-    moments(a, b, &mut all);
-    rows(a, b, tolerance, &mut all);
+    let driven = edges::differing(a, b);
+    moments(a, b, tolerance, driven.is_empty(), &mut all);
+    rows(a, b, tolerance, &driven, &mut all);
+    drawings(a, b, tolerance, &driven, &mut all);
     digests(a, b, tolerance, &mut all);
     all.sort_by(|x, y| x.grade.cmp(&y.grade).then(y.weight.cmp(&x.weight)));
     all
@@ -152,3 +215,7 @@ pub fn tell(differences: &[Difference]) -> Vec<String> {
     }
     lines
 }
+
+#[cfg(test)]
+#[path = "told_tests.rs"]
+mod tests;

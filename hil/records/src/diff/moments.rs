@@ -1,24 +1,18 @@
 //! Differences of what happened: lines that only one of two runs has. Limiter events are told by the bursts
-//! themselves.
+//! themselves, where these differ.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Difference, Grade};
+use super::{Difference, Grade, Tolerance, shared};
 use crate::story::Story;
 use crate::words::{Happening, HappeningKind};
 
-/// When each line of one kind and text came, in seconds.
+/// When each line of one kind and text came.
 type Lines<'a> = BTreeMap<(HappeningKind, &'a str), Vec<&'a Happening>>;
 
-fn lines(story: &Story, partial: bool, until_us: u64) -> Lines<'_> {
-    let in_every_file = [HappeningKind::AllOff, HappeningKind::PreScale];
-    let wanted = |h: &&Happening| {
-        h.kind != HappeningKind::Limiter
-            && h.t_us < until_us
-            && (!partial || in_every_file.contains(&h.kind))
-    };
+fn lines<'a>(happenings: &[&'a Happening]) -> Lines<'a> {
     let mut found = Lines::new();
-    for happening in story.happenings.iter().filter(wanted) {
+    for &happening in happenings {
         let key = (happening.kind, happening.text.as_str());
         found.entry(key).or_default().push(happening);
     }
@@ -33,12 +27,41 @@ fn difference(kind: HappeningKind, text: String) -> Difference {
     Difference::new(grade, true, 0, text)
 }
 
-/// Tells the lines that only one of them has.
-pub(super) fn moments(a: &Story, b: &Story, all: &mut Vec<Difference>) {
+/// Tells the lines that only one of them has; those of the limiter where both have the same bursts.
+pub(super) fn moments(
+    a: &Story,
+    b: &Story,
+    tolerance: Tolerance,
+    same_bursts: bool,
+    all: &mut Vec<Difference>,
+) {
     let partial = a.partial || b.partial;
+    let wanted = |h: &&Happening| match h.kind {
+        HappeningKind::AllOff | HappeningKind::PreScale => true,
+        HappeningKind::Limiter => same_bursts && !partial,
+        HappeningKind::Break | HappeningKind::Note => !partial,
+    };
+    let first: Vec<&Happening> = a.happenings.iter().filter(wanted).collect();
+    let second: Vec<&Happening> = b.happenings.iter().filter(wanted).collect();
     let until = [a.told_until_us(), b.told_until_us()];
-    let until = until.into_iter().flatten().min().unwrap_or(u64::MAX);
-    let (first, second) = (lines(a, partial, until), lines(b, partial, until));
+    let until = until.into_iter().flatten().min();
+    let [first, second] = shared(&first, &second, until, |h| h.t_us);
+    let found = tell(&lines(first), &lines(second), tolerance);
+    let (was, is) = (a.happening_count(), b.happening_count());
+    if found.is_empty() && same_bursts && !partial && was != is {
+        let text = format!("{was} -> {is} events, and the same ones have a line");
+        all.push(Difference::new(Grade::Moment, true, 0, text));
+    }
+    all.extend(found);
+}
+
+/// What the lines of two runs differ by; times within the tolerance are the same.
+fn tell(first: &Lines<'_>, second: &Lines<'_>, tolerance: Tolerance) -> Vec<Difference> {
+    let near = |was: &Happening, is: &Happening| {
+        let apart = was.t_us.abs_diff(is.t_us);
+        apart.max(was.last_us.abs_diff(is.last_us)) <= tolerance.edge_us
+    };
+    let mut all = Vec::new();
     let none = Vec::new();
     // By kind: what is new, what is gone.
     let mut new: BTreeMap<HappeningKind, Vec<&Happening>> = BTreeMap::new();
@@ -50,17 +73,19 @@ pub(super) fn moments(a: &Story, b: &Story, all: &mut Vec<Difference>) {
         let (kind, text) = *key;
         let word = kind.word();
         match (x.as_slice(), y.as_slice()) {
-            (x, y) if x == y => {}
             ([], [one]) => new.entry(kind).or_default().push(one),
             ([one], []) => gone.entry(kind).or_default().push(one),
-            ([was], [is]) => {
-                let (was, is) = (was.when(), is.when());
-                let text = format!("{word} at {was} -> {is} s: {text}");
+            (x, y) if x.len() != y.len() => {
+                let text = format!("{word} {} -> {} times: {text}", x.len(), y.len());
                 all.push(difference(kind, text));
             }
             (x, y) => {
-                let text = format!("{word} {} -> {} times: {text}", x.len(), y.len());
-                all.push(difference(kind, text));
+                let mut pairs = x.iter().zip(y);
+                if let Some((was, is)) = pairs.find(|(was, is)| !near(was, is)) {
+                    let (was, is) = (was.when(), is.when());
+                    let text = format!("{word} at {was} -> {is} s: {text}");
+                    all.push(difference(kind, text));
+                }
             }
         }
     }
@@ -78,4 +103,5 @@ pub(super) fn moments(a: &Story, b: &Story, all: &mut Vec<Difference>) {
             all.push(difference(kind, text));
         }
     }
+    all
 }

@@ -1,4 +1,5 @@
-//! Two contact recordings (CSV) compared: which contacts are new or gone, and how far the others lie apart.
+//! Two contact recordings (CSV) compared: which contacts are new or gone, how far the others lie apart, and in how many
+//! rows their numbers are others.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,11 +18,17 @@ struct Row {
     key: (u16, u32),
     /// Place, micrometres.
     place: (i64, i64),
+    frame: u32,
+    /// Thousandths of a raw count.
+    intensity: i64,
     level: u16,
+    members: u32,
 }
 
 /// Most contacts that are told apart, and most of one time.
 const MOST: usize = 1 << 18;
+/// Longest name of a display, bytes.
+const LONGEST: usize = 256;
 
 /// A recording of contacts that is read line by line, with the rows of one time in memory.
 pub struct Contacts<'a, E> {
@@ -30,6 +37,8 @@ pub struct Contacts<'a, E> {
     number: usize,
     /// Whether it is of several displays: each row then ends with the name of one.
     several: bool,
+    /// The display of each module that has a row; no name where there is one display.
+    displays: BTreeMap<u16, String>,
     /// The first row of the time after the one that was read last.
     next: Option<Row>,
 }
@@ -56,6 +65,7 @@ impl<'a, E> Contacts<'a, E> {
             damaged: Box::new(damaged),
             number: 1,
             several: false,
+            displays: BTreeMap::new(),
             next: None,
         };
         match (all.lines)()? {
@@ -77,7 +87,7 @@ impl<'a, E> Contacts<'a, E> {
             return Ok(None);
         };
         self.number += 1;
-        let Some(row) = row(&line, self.several) else {
+        let Some((row, display)) = row(&line, self.several) else {
             let expected = match self.several {
                 true => "a contact: nine numbers and a display's name",
                 false => "a contact: nine numbers",
@@ -86,6 +96,13 @@ impl<'a, E> Contacts<'a, E> {
         };
         if row.t_us < before_us {
             return Err(self.damage(&format!("a time from {before_us} us on"), &line));
+        }
+        let module = row.key.0;
+        let own = self.displays.entry(module);
+        let own = own.or_insert_with(|| display.to_owned());
+        if own.as_str() != display {
+            let expected = format!("display {own}, as in the rows of module {module} above");
+            return Err(self.damage(&expected, &line));
         }
         Ok(Some(row))
     }
@@ -127,12 +144,15 @@ fn is_of_several(line: &str) -> bool {
     more == Some(DISPLAY)
 }
 
-/// A row; the name that it has with several displays says what its module says already.
-fn row(line: &str, several: bool) -> Option<Row> {
+/// A row, and the name of its display where there are several.
+fn row(line: &str, several: bool) -> Option<(Row, &str)> {
     let most = if several { 10 } else { usize::MAX };
     let mut fields: Vec<&str> = line.trim_end().splitn(most, ',').collect();
+    let display = match (several, fields.get(9).copied()) {
+        (false, _) => "",
+        (true, name) => name.filter(|name| name.len() <= LONGEST)?,
+    };
     if several {
-        fields.get(9)?;
         fields.truncate(9);
     }
     let &[
@@ -149,15 +169,16 @@ fn row(line: &str, several: bool) -> Option<Row> {
     else {
         return None;
     };
-    frame.parse::<u32>().ok()?;
-    members.parse::<u32>().ok()?;
-    thousandths(intensity)?;
-    Some(Row {
+    let row = Row {
         t_us: time.parse().ok()?,
         key: (module.parse().ok()?, contact.parse().ok()?),
         place: (thousandths(x)?, thousandths(y)?),
+        frame: frame.parse().ok()?,
+        intensity: thousandths(intensity)?,
         level: level.parse().ok()?,
-    })
+        members: members.parse().ok()?,
+    };
+    Some((row, display))
 }
 
 /// Distance of two places, micrometres.
@@ -165,6 +186,29 @@ fn distance(a: Row, b: Row) -> u64 {
     let squared = |x: i64, y: i64| u128::from(x.abs_diff(y)) * u128::from(x.abs_diff(y));
     let sum = squared(a.place.0, b.place.0).saturating_add(squared(a.place.1, b.place.1));
     u64::try_from(sum.isqrt()).unwrap_or(u64::MAX)
+}
+
+/// A number of a contact that is another in some rows.
+#[derive(Clone, Copy, Debug, Default)]
+struct Other {
+    rows: usize,
+    /// By how much at most.
+    most: u64,
+    /// Whether it is beyond its band anywhere.
+    beyond: bool,
+}
+
+impl Other {
+    fn add(&mut self, by: u64, within: u64) {
+        self.rows += usize::from(by > 0);
+        self.most = self.most.max(by);
+        self.beyond |= by > within;
+    }
+}
+
+/// Thousandths, such as micrometres as millimetres.
+fn thousands(value: u64) -> String {
+    short(i64::try_from(value).unwrap_or(i64::MAX))
 }
 
 /// What two recordings make of one contact.
@@ -178,11 +222,14 @@ struct Pair {
     squares: u128,
     most: u64,
     first: Option<u64>,
-    levels: usize,
+    frame: Other,
+    intensity: Other,
+    level: Other,
+    members: Other,
 }
 
 impl Pair {
-    fn add(&mut self, a: Option<&Row>, b: Option<&Row>) {
+    fn add(&mut self, a: Option<&Row>, b: Option<&Row>, tolerance: Tolerance) {
         let (Some(row), Some(other)) = (a, b) else {
             let alone = &mut self.alone[usize::from(a.is_none())];
             alone.0 += 1;
@@ -190,7 +237,7 @@ impl Pair {
             return;
         };
         self.both += 1;
-        self.levels += usize::from(row.level != other.level);
+        self.numbers(row, other, tolerance);
         let by = distance(*row, *other);
         if by > 0 {
             self.first = self.first.or(Some(row.t_us));
@@ -198,6 +245,25 @@ impl Pair {
             self.most = self.most.max(by);
             self.squares = self.squares.saturating_add(u128::from(by) * u128::from(by));
         }
+    }
+
+    /// Holds the numbers of two rows against each other. Where places have a band, intensities have one too, levels and
+    /// members may be one apart, and each recording counts its own frames.
+    fn numbers(&mut self, row: &Row, other: &Row, tolerance: Tolerance) {
+        let bands = tolerance.place_um > 0;
+        let (step, any) = if bands { (1, u64::MAX) } else { (0, 0) };
+        let larger = row
+            .intensity
+            .unsigned_abs()
+            .max(other.intensity.unsigned_abs());
+        let band = u128::from(larger) * u128::from(tolerance.permille) / 1000;
+        let band = u64::try_from(band).unwrap_or(u64::MAX);
+        let intensity = row.intensity.abs_diff(other.intensity);
+        self.frame.add(row.frame.abs_diff(other.frame).into(), any);
+        self.intensity.add(intensity, band);
+        self.level.add(row.level.abs_diff(other.level).into(), step);
+        self.members
+            .add(row.members.abs_diff(other.members).into(), step);
     }
 
     fn tell(
@@ -229,8 +295,7 @@ impl Pair {
         }
         if let Some(first) = self.first {
             let rmse = (self.squares / u128::from(self.apart)).isqrt();
-            let mm = |um: u64| short(i64::try_from(um).unwrap_or(i64::MAX));
-            let rmse = mm(u64::try_from(rmse).unwrap_or(u64::MAX));
+            let rmse = thousands(u64::try_from(rmse).unwrap_or(u64::MAX));
             let meaning = self.most > tolerance.place_um;
             let grade = if meaning {
                 Grade::Edge
@@ -242,13 +307,23 @@ impl Pair {
                 self.apart,
                 self.both,
                 at(first),
-                mm(self.most)
+                thousands(self.most)
             );
             push(grade, meaning, text);
         }
-        if self.levels > 0 {
-            let text = format!("{name}: another level in {}", count(self.levels, "row"));
-            push(Grade::Width, tolerance.place_um == 0, text);
+        let whole = |other: Other| (other, other.most.to_string());
+        let intensity = (self.intensity, thousands(self.intensity.most));
+        for (what, (other, most)) in [
+            ("intensity", intensity),
+            ("level", whole(self.level)),
+            ("number of members", whole(self.members)),
+            ("frame", whole(self.frame)),
+        ] {
+            if other.rows > 0 {
+                let rows = count(other.rows, "row");
+                let text = format!("{name}: another {what} in {rows}, {most} apart at most");
+                push(Grade::Width, other.beyond, text);
+            }
         }
     }
 }
@@ -277,16 +352,29 @@ pub fn compare_contacts<E>(
             pairs
                 .entry(*key)
                 .or_default()
-                .add(Some(row), theirs.get(key));
+                .add(Some(row), theirs.get(key), tolerance);
         }
         for (key, row) in theirs.iter().filter(|(key, _)| !ours.contains_key(*key)) {
-            pairs.entry(*key).or_default().add(None, Some(row));
+            pairs
+                .entry(*key)
+                .or_default()
+                .add(None, Some(row), tolerance);
         }
         if pairs.len() > MOST {
             return Err(b.too_many());
         }
     }
     let mut all = Vec::new();
+    for (module, was) in &a.displays {
+        let said = |name: &str| match name {
+            "" => "none".to_owned(),
+            name => name.to_owned(),
+        };
+        if let Some(is) = b.displays.get(module).filter(|is| *is != was) {
+            let text = format!("display of module {module}: {} -> {}", said(was), said(is));
+            all.push(Difference::new(Grade::Setting, true, 0, text));
+        }
+    }
     for (key, pair) in pairs {
         pair.tell(key, tolerance, |grade, meaning, text| {
             all.push(Difference::new(grade, meaning, 0, text));

@@ -37,7 +37,7 @@ fn places_levels_rows_and_contacts_are_told() {
         told(Tolerance::default()),
         [
             "contact 0/1 elsewhere in 1 of 1 rows from 0.831 s on: 0.005 mm RMSE, 0.005 mm at most",
-            "contact 0/1: another level in 1 row",
+            "contact 0/1: another level in 1 row, 1 apart at most",
             "contact 0/1: 1 row gone",
             "gone: contact 0/2, 1 row from 0.851 s",
             "new: contact 0/3, 1 row from 0.861 s",
@@ -54,6 +54,94 @@ fn places_levels_rows_and_contacts_are_told() {
             .any(|d| d.grade == Grade::Cosmetic && !d.meaning)
     );
     assert_eq!(compared(&a, &a, Tolerance::default()), Ok(Vec::new()));
+}
+
+#[test]
+fn every_number_of_a_row_is_compared() {
+    let row = "83,831927,0,1,2.350,-7.050,16.922,1,1";
+    let told = |other: &str, tolerance| -> Vec<(String, bool)> {
+        let found = compared(&file(&[row]), &file(&[other]), tolerance).unwrap();
+        found.into_iter().map(|d| (d.text, d.meaning)).collect()
+    };
+    let bands = Tolerance::HARDWARE;
+    for (other, words, is_banded) in [
+        (
+            "83,831927,0,1,2.350,-7.050,17.000,1,1",
+            "intensity in 1 row, 0.078",
+            true,
+        ),
+        (
+            "83,831927,0,1,2.350,-7.050,20.000,1,1",
+            "intensity in 1 row, 3.078",
+            false,
+        ),
+        (
+            "83,831927,0,1,2.350,-7.050,16.922,2,1",
+            "level in 1 row, 1",
+            true,
+        ),
+        (
+            "83,831927,0,1,2.350,-7.050,16.922,3,1",
+            "level in 1 row, 2",
+            false,
+        ),
+        (
+            "83,831927,0,1,2.350,-7.050,16.922,1,2",
+            "number of members in 1 row, 1",
+            true,
+        ),
+        (
+            "83,831927,0,1,2.350,-7.050,16.922,1,4",
+            "number of members in 1 row, 3",
+            false,
+        ),
+        (
+            "90,831927,0,1,2.350,-7.050,16.922,1,1",
+            "frame in 1 row, 7",
+            true,
+        ),
+    ] {
+        let text = format!("contact 0/1: another {words} apart at most");
+        assert_eq!(told(other, Tolerance::default()), [(text.clone(), true)]);
+        assert_eq!(told(other, bands), [(text, !is_banded)], "{other}");
+    }
+}
+
+#[test]
+fn names_of_displays_are_compared_and_hold_for_a_module() {
+    let row =
+        |module: u16, name: &str| format!("83,831927,{module},1,0.000,0.000,1.000,1,1,{name}\n");
+    let table = |rows: &[String]| format!("{HEADER},{DISPLAY}\n{}", rows.concat());
+    let told = |a: &str, b: &str| -> Vec<String> {
+        let found = compared(a, b, Tolerance::default()).unwrap();
+        found.into_iter().map(|d| d.text).collect()
+    };
+    let hand = table(&[row(0, "thumb"), row(3, "index")]);
+    assert_eq!(told(&hand, &hand), [""; 0]);
+    let other = table(&[row(0, "thumb"), row(3, "ring")]);
+    assert_eq!(told(&hand, &other), ["display of module 3: index -> ring"]);
+    let one = file(&[
+        "83,831927,0,1,0.000,0.000,1.000,1,1",
+        "83,831927,3,1,0.000,0.000,1.000,1,1",
+    ]);
+    assert_eq!(
+        told(&one, &hand),
+        [
+            "display of module 0: none -> thumb",
+            "display of module 3: none -> index"
+        ]
+    );
+    let two = table(&[row(0, "thumb"), row(0, "ring").replace(",0,1,", ",0,2,")]);
+    let damage = compared(&two, &hand, Tolerance::default()).unwrap_err();
+    assert_eq!(damage.line, 3, "{damage}");
+    assert!(damage.to_string().contains("display thumb"), "{damage}");
+    let long = table(&[row(0, &"x".repeat(257))]);
+    assert_eq!(
+        compared(&long, &hand, Tolerance::default())
+            .unwrap_err()
+            .line,
+        2
+    );
 }
 
 #[test]

@@ -3,15 +3,19 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::edges::known_until;
-use super::words::{at, change, item_key, short, signed};
+use super::words::{at, change, item_key, short, signed, wire};
 use super::{Difference, Grade, Tolerance};
+use crate::bursts::DrivenOutput;
 use crate::figures::Figure;
 use crate::story::{Column, GoldenKind, Role, Story, Table};
 
 /// Pieces of a header that name a run and say nothing of what it did.
-const NAMES: [&str; 4] = ["bench", "seed", "scene", "limits"];
+const NAMES: [&str; 5] = ["bench", "seed", "scene", "limits", "version"];
+/// The length of a run: a setting where it is emulated, measured where it is real.
+const LENGTH: &str = "length";
 /// Pieces that were asked for, not measured.
-const SETTINGS: [&str; 10] = [
+const SETTINGS: [&str; 11] = [
+    "clock",
     "PWM",
     "PRE_SCALE",
     "period",
@@ -21,8 +25,11 @@ const SETTINGS: [&str; 10] = [
     "illusion",
     "K_C",
     "wires",
-    "length",
+    LENGTH,
 ];
+
+/// What a digest of a schedule is of, beside what bursts show.
+const SENT: &str = "the same bursts, sent otherwise: phases, currents, ends asked for, or times within a millisecond";
 
 /// Most margins that are told before the bursts.
 const EACH: usize = 3;
@@ -39,6 +46,19 @@ fn pieces(story: &Story) -> impl Iterator<Item = (Key<'_>, &str)> {
     })
 }
 
+/// The pieces of a header by what names them; those of one name are one text.
+fn named_pieces(story: &Story) -> BTreeMap<Key<'_>, String> {
+    let mut all = BTreeMap::<Key<'_>, String>::new();
+    for (key, piece) in pieces(story) {
+        let text = all.entry(key).or_default();
+        if !text.is_empty() {
+            text.push_str(", ");
+        }
+        text.push_str(piece);
+    }
+    all
+}
+
 /// Keys of both, in the order in which they stand there.
 fn in_order<K: Ord + Copy>(a: impl Iterator<Item = K>, b: impl Iterator<Item = K>) -> Vec<K> {
     let mut seen = BTreeSet::new();
@@ -46,14 +66,13 @@ fn in_order<K: Ord + Copy>(a: impl Iterator<Item = K>, b: impl Iterator<Item = K
 }
 
 /// Header lines: settings, names, errors.
-pub(super) fn heads(a: &Story, b: &Story, all: &mut Vec<Difference>) {
+pub(super) fn heads(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Difference>) {
     if a.source != b.source {
         let text = format!("{} -> {}", a.source.word(), b.source.word());
         all.push(Difference::new(Grade::Cosmetic, false, 0, text));
     }
     let partial = a.partial || b.partial;
-    let (first, second): (BTreeMap<_, _>, BTreeMap<_, _>) =
-        (pieces(a).collect(), pieces(b).collect());
+    let (first, second) = (named_pieces(a), named_pieces(b));
     // Pieces of one line of the header stay together.
     let mut lines: Vec<(Grade, &str, Vec<String>)> = Vec::new();
     for key in in_order(pieces(a).map(|p| p.0), pieces(b).map(|p| p.0)) {
@@ -64,8 +83,10 @@ pub(super) fn heads(a: &Story, b: &Story, all: &mut Vec<Difference>) {
             k if SETTINGS.contains(&k) => Grade::Setting,
             _ => Grade::Figure,
         };
+        let is_measured = grade == Grade::Figure || name == LENGTH;
+        let same = |x: &str, y: &str| x == y || is_measured && tolerance.alike(x, y);
         let text = match (first.get(&key), second.get(&key)) {
-            (Some(x), Some(y)) if x == y => continue,
+            (Some(x), Some(y)) if same(x, y) => continue,
             (Some(x), Some(y)) => change(x, y),
             _ if partial => continue,
             (Some(x), None) => format!("no longer {x}"),
@@ -111,10 +132,16 @@ pub(super) fn figures(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<
             all.push(Difference::new(Grade::Setting, true, 0, text));
         }
         if x.value == y.value && x.unit == y.unit {
+            // Where values have a band, the part used has it too.
+            let part = tolerance.permille == 0 && x.limit == y.limit && x.used != y.used;
+            if part || x.over != y.over {
+                let text = format!("{name} {}", change(&used(x), &used(y)));
+                all.push(Difference::new(Grade::Figure, true, 0, text));
+            }
             continue;
         }
         let mut difference = figure(x, y);
-        difference.meaning = !same(x.value, y.value, tolerance);
+        difference.meaning = x.unit != y.unit || !same(x.value, y.value, tolerance);
         if !difference.meaning {
             difference.grade = Grade::Cosmetic;
         }
@@ -127,10 +154,21 @@ pub(super) fn figures(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<
     all.extend(found);
 }
 
+/// The part of a limit that was used.
+fn used(figure: &Figure) -> String {
+    let part = figure.used.map_or_else(|| "-".to_owned(), short);
+    let over = if figure.over { ", over" } else { "" };
+    format!("{part} % used{over}")
+}
+
 /// One value that changed.
 fn figure(x: &Figure, y: &Figure) -> Difference {
     let (name, unit) = (&y.name, &y.unit);
     let (was, is) = (x.text(x.value), y.text(y.value));
+    if x.unit != *unit {
+        let text = change(&format!("{was} {}", x.unit), &format!("{is} {unit}"));
+        return Difference::new(Grade::Figure, true, 0, format!("{name} {text}"));
+    }
     if let (Some(before), Some(after)) = (x.used, y.used) {
         let limit = y.text(y.limit);
         let (from, to) = (short(before), short(after));
@@ -160,13 +198,10 @@ fn same(a: Option<i64>, b: Option<i64>, tolerance: Tolerance) -> bool {
     u128::from(a.abs_diff(b)) * 1000 <= larger * u128::from(tolerance.permille)
 }
 
-/// The cells of a role in words: `contact 0/1`, or `from 0.831 s`.
-fn cells(table: &Table, row: &[String], role: Role) -> Vec<String> {
-    let named = table
-        .columns
-        .iter()
-        .zip(row)
-        .filter(|(c, _)| c.role == role);
+/// The cells of some roles in words: `contact 0/1`, or `from 0.831 s`.
+fn cells(table: &Table, row: &[String], roles: &[Role]) -> Vec<String> {
+    let cells = table.columns.iter().zip(row);
+    let named = cells.filter(|(column, _)| roles.contains(&column.role));
     let word = |(c, cell): (&Column, &String)| {
         format!("{} {cell} {}", c.name, c.unit)
             .trim_end()
@@ -175,26 +210,37 @@ fn cells(table: &Table, row: &[String], role: Role) -> Vec<String> {
     named.map(word).collect()
 }
 
-/// Rows of tables, as far as no figure or burst tells of them.
-pub(super) fn rows(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Difference>) {
-    if a.partial || b.partial || !tolerance.is_none() {
+/// Rows of tables. What follows from bursts is told of wires that are not among `driven`, the outputs whose bursts
+/// differ.
+pub(super) fn rows(
+    a: &Story,
+    b: &Story,
+    tolerance: Tolerance,
+    driven: &BTreeSet<DrivenOutput>,
+    all: &mut Vec<Difference>,
+) {
+    if a.partial || b.partial {
         return;
     }
     let named = |s: &'_ Story| -> Vec<String> {
         let rows = s.table.rows.iter();
-        rows.map(|row| cells(&s.table, row, Role::Key).join(", "))
+        rows.map(|row| cells(&s.table, row, &[Role::Key]).join(", "))
             .collect()
     };
     let (names_a, names_b) = (named(a), named(b));
     let mut told = Vec::new();
     for name in in_order(names_a.iter(), names_b.iter()) {
-        let row = |s: &'_ Story, names: &[String]| -> Option<Vec<String>> {
+        let row = |s: &'_ Story, names: &[String], roles: &[Role]| -> Option<Vec<String>> {
             let index = names.iter().position(|n| n == name)?;
-            Some(cells(&s.table, s.table.rows.get(index)?, Role::Told))
+            Some(cells(&s.table, s.table.rows.get(index)?, roles))
         };
-        match (row(a, &names_a), row(b, &names_b)) {
+        let roles: &[Role] = match wire(name) {
+            Some(wire) if driven.contains(&wire) => &[Role::Told],
+            _ => &[Role::Told, Role::Derived],
+        };
+        match (row(a, &names_a, roles), row(b, &names_b, roles)) {
             (Some(x), Some(y)) => {
-                let differ = x.iter().zip(&y).filter(|(x, y)| x != y);
+                let differ = x.iter().zip(&y).filter(|(x, y)| !tolerance.alike(x, y));
                 let changes: Vec<String> = differ.map(|(x, y)| change(x, y)).collect();
                 if !changes.is_empty() {
                     told.push(format!("{name}: {}", changes.join(", ")));
@@ -211,6 +257,10 @@ pub(super) fn rows(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Dif
         told.truncate(1);
         told.iter_mut()
             .for_each(|t| t.push_str(&format!(", and {rest} wires more")));
+    }
+    let (was, is) = (a.table.untold, b.table.untold);
+    if was != is {
+        told.push(format!("rows beyond those listed: {was} -> {is}"));
     }
     let row = |text| Difference::new(Grade::Figure, true, -1, text);
     all.extend(told.into_iter().map(row));
@@ -233,10 +283,12 @@ pub(super) fn digests(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<
         Grade::Edge,
         Grade::Width,
     ];
-    let text = if differ("schedule") && !told(&drive) {
+    // Of bursts that none of them lists there is the number.
+    let more = !a.partial && !b.partial && a.burst_count() != b.burst_count();
+    let text = if (differ("schedule") || more) && !told(&drive) {
         match known_until(a, b) {
             Some(us) => format!("bursts differ after {}, where a golden lists none", at(us)),
-            None => "the same bursts, with pulses that begin elsewhere in their periods".to_owned(),
+            None => SENT.to_owned(),
         }
     } else if differ("contacts") && all.iter().all(|d| !d.meaning) {
         "contacts differ by less than a golden shows".to_owned()

@@ -1,5 +1,6 @@
 //! The wording of differences: what changed between two texts of the same shape, times, counts.
 
+use crate::bursts::DrivenOutput;
 use crate::fixed::milli;
 
 /// What names a header's piece: its first word without a digit.
@@ -10,11 +11,14 @@ pub(super) fn item_key(piece: &str) -> &str {
 }
 
 /// Two texts as one, with what differs written `old -> new` between the words around it.
-pub(super) fn change(a: &str, b: &str) -> String {
+pub(super) fn change(first: &str, second: &str) -> String {
     let (a, b): (Vec<&str>, Vec<&str>) = (
-        a.split_whitespace().collect(),
-        b.split_whitespace().collect(),
+        first.split_whitespace().collect(),
+        second.split_whitespace().collect(),
     );
+    if a == b && first != second {
+        return format!("`{first}` -> `{second}`");
+    }
     let front = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
     let rest = a.len().min(b.len()) - front;
     let back = a.iter().rev().zip(b.iter().rev());
@@ -28,6 +32,12 @@ pub(super) fn change(a: &str, b: &str) -> String {
     parts.push(&changed);
     parts.extend(&a[a.len() - back..]);
     parts.join(" ")
+}
+
+/// The wire that something of this name is of.
+pub(super) fn wire(name: &str) -> Option<DrivenOutput> {
+    let index = name.strip_prefix("wire ")?.parse().ok()?;
+    Some(DrivenOutput::Wire(index))
 }
 
 /// Microseconds as milliseconds, without zeros at the end.

@@ -11,6 +11,7 @@ fn what_differs_stands_between_what_does_not() {
     assert_eq!(change("a b", "a b c"), "a b nothing -> c");
     assert_eq!(change("x x", "x x x"), "x x nothing -> x");
     assert_eq!(change("", ""), "nothing -> nothing");
+    assert_eq!(change("a  b", "a b"), "`a  b` -> `a b`");
     assert_eq!(item_key("916 in contact"), "in");
     assert_eq!(item_key("12"), "12");
 }

@@ -2,6 +2,7 @@
 
 mod read;
 
+pub(crate) use read::header_pieces;
 pub use read::{check_line, read_schedule};
 
 use crate::trace::{DisplayInfo, Event, Header, Trace, event};

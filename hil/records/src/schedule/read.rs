@@ -3,9 +3,12 @@
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Clock, Instant, Milliamps, Prescale, Ticks};
 use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 use super::{HeaderLine, VERSION, WITHOUT_PULSES};
 use crate::damage::Damage;
+use crate::digest::short_digest;
 use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo, event};
 
 impl HeaderLine<'_> {
@@ -21,7 +24,9 @@ impl HeaderLine<'_> {
     }
 }
 
+/// What a record may say. Another key is refused: no comparison would see it.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Line {
     t_us: u64,
     board: u8,
@@ -72,7 +77,7 @@ pub fn read_schedule(
     let mut events = Vec::new();
     let mut driven = Driven::default();
     for (number, line) in lines {
-        let event = event(number, line)?;
+        let event = event(number, line, header.period_ns)?;
         if let Event::Schedule(entry) = &event {
             driven.add(entry);
         }
@@ -142,8 +147,38 @@ fn header(first: &str) -> Result<HeaderLine<'static>, Damage> {
 pub fn check_line(number: usize, text: &str) -> Result<u64, Damage> {
     match number {
         1 => header(text).map(|_| 0),
-        _ => event(number, text).map(|event| event.t_ns() / 1000),
+        _ => event(number, text, None).map(|event| event.t_ns() / 1000),
     }
+}
+
+/// What the first line of a schedule says beside a trace, as pieces of a header.
+///
+/// # Errors
+/// A line that is no header.
+pub(crate) fn header_pieces(text: &str) -> Result<Vec<String>, Damage> {
+    let first = text.lines().next().unwrap_or_default();
+    let header = header(first)?;
+    let clock = match (header.clock_hz, header.clock_ppm) {
+        (Some(hz), ppm) => format!("{hz} Hz within {} ppm", ppm.unwrap_or(0)),
+        (None, _) => "of the chip".to_owned(),
+    };
+    let known = serde_json::to_value(&header).unwrap_or_default();
+    let all: BTreeMap<String, Value> = serde_json::from_str(first).unwrap_or_default();
+    let others = all
+        .iter()
+        .filter(|(key, _)| known.get(key.as_str()).is_none());
+    let others: Vec<String> = others
+        .map(|(key, value)| format!("{key} {}", short_digest(&value.to_string())))
+        .collect();
+    let others = match others.as_slice() {
+        [] => "none".to_owned(),
+        others => others.join(" "),
+    };
+    Ok(vec![
+        format!("version {}", header.version),
+        format!("clock {clock}"),
+        format!("other keys {others}"),
+    ])
 }
 
 /// Longest schedule: that of a recording of a day, and the times that it names.
@@ -152,6 +187,10 @@ const LONGEST_US: u64 = 2 * 86_400_000_000;
 /// Refuses a header that no chip could have played.
 fn check(header: &HeaderLine<'_>) -> Result<(), Damage> {
     let wrong = |expected: &str, found: String| Err(Damage::of_line(1, expected, &found));
+    if !header.source.is_empty() && Source::of(&header.source).is_none() {
+        let found = format!("source {}", header.source);
+        return wrong("a source: emulated, real, observed", found);
+    }
     let least = Prescale::MIN.get();
     if let Some(n) = header.pre_scale.filter(|n| *n < least) {
         let expected = format!("a pre_scale from {least} to 255");
@@ -184,7 +223,8 @@ fn check(header: &HeaderLine<'_>) -> Result<(), Damage> {
     Ok(())
 }
 
-fn event(number: usize, text: &str) -> Result<Event, Damage> {
+/// A record of a file whose header states this period, nanoseconds, or none.
+fn event(number: usize, text: &str, period_ns: Option<u64>) -> Result<Event, Damage> {
     const RECORD: &str = "a record with t_us and board, and channel, pre_scale or all_off";
     let line: Line = serde_json::from_str(text).map_err(|e| unread(number, RECORD, text, &e))?;
     let times = [Some(line.t_us), line.until_us, line.requested_until_us];
@@ -226,14 +266,19 @@ fn event(number: usize, text: &str) -> Result<Event, Damage> {
                 Err(Damage::of_line(number, &expected, &word))
             }
         },
-        line => entry(&line, number, text)?
+        line => entry(&line, period_ns, number, text)?
             .map(Event::Schedule)
             .ok_or_else(|| Damage::of_line(number, RECORD, text)),
     }
 }
 
 /// What a channel was told; `None` for a line that is no such record.
-fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage> {
+fn entry(
+    line: &Line,
+    period_ns: Option<u64>,
+    number: usize,
+    text: &str,
+) -> Result<Option<Entry>, Damage> {
     let (Some(channel), Some(on), Some(off), Some(until_us), Some(requested)) = (
         line.channel,
         line.on,
@@ -280,6 +325,12 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
             let expected = "both pulses and period, or neither";
             return Err(Damage::of_line(number, expected, text));
         }
+    }
+    let periods = period_ns.zip(line.period);
+    if let Some((of_file, own)) = periods.filter(|(of_file, own)| of_file != own) {
+        let expected = format!("period {of_file}, as the header says");
+        let found = format!("period {own}");
+        return Err(Damage::of_line(number, &expected, &found));
     }
     Ok(Some(entry))
 }

@@ -5,6 +5,27 @@ use crate::schedule::write_schedule;
 use crate::synthetic;
 
 #[test]
+fn what_a_header_says_beside_a_trace_is_told() {
+    let mut out = Vec::new();
+    write_schedule(&synthetic::empty(), &mut out).unwrap();
+    let good = String::from_utf8(out).unwrap();
+    let said = |text: &str| header_pieces(text).unwrap().join(", ");
+    let plain = "version 2, clock of the chip, other keys none";
+    assert_eq!(said(&good), plain);
+    let with = |text: &str| good.replacen("\"pre_scale\"", &format!("{text},\"pre_scale\""), 1);
+    let period = with("\"clock_hz\":25000000,\"clock_ppm\":50");
+    assert!(
+        said(&period).contains("clock 25000000 Hz within 50 ppm"),
+        "{period}"
+    );
+    let [one, other] = ["1", "2"].map(|value| said(&with(&format!("\"later\":{value}"))));
+    assert!(
+        one.contains("other keys later ") && one != other,
+        "{one}, {other}"
+    );
+}
+
+#[test]
 fn damage_is_named_by_its_line() {
     let mut trace = synthetic::empty();
     let all_off = |t_us, cause| {
@@ -115,6 +136,24 @@ fn damage_is_named_by_its_line() {
             format!("{good}{}", pulses.replace("5079040", "0")),
             4,
             "a period above 0",
+        ),
+        (
+            format!("{good}{}", pulses.replace("5079040", "5079041")),
+            4,
+            "period 5079040, as the header says",
+        ),
+        (
+            format!(
+                "{good}{}",
+                pulses.replace("\"requested\"", "\"asked\":1,\"requested\"")
+            ),
+            4,
+            "unknown field `asked`",
+        ),
+        (
+            good.replace("emulated", "simulated"),
+            1,
+            "a source: emulated",
         ),
         (
             format!("{good}{}", entry.replace("\"channel\":1", "\"channel\":16")),

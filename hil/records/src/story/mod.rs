@@ -17,7 +17,7 @@ pub use table::{Column, Role, Table};
 use crate::bursts::Burst;
 use crate::damage::Damage;
 use crate::figures::Figure;
-use crate::schedule::read_schedule;
+use crate::schedule::{header_pieces, read_schedule};
 use crate::trace::{Source, Trace, WireInfo};
 use crate::words::{Happening, HappeningKind};
 use std::collections::BTreeMap;
@@ -26,6 +26,11 @@ use std::collections::BTreeMap;
 pub const COLUMNS: usize = 99;
 /// Most lines of a golden.
 pub const LINES: usize = 199;
+
+/// What the header of every golden names, and the header of a schedule file.
+const NAMED: [&str; 4] = ["bench ", "seed ", "scene ", "limits "];
+/// What the header of a schedule names as well: periods and times.
+const DRIVEN: [&str; 6] = ["PWM ", "PRE_SCALE ", "period ", "tick ", "tau_d ", "SOA "];
 
 /// Which golden it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -141,6 +146,16 @@ impl Story {
         }
     }
 
+    /// How many events there were, listed or not.
+    pub(crate) const fn happening_count(&self) -> u64 {
+        self.happenings.len() as u64 + self.happenings_untold
+    }
+
+    /// How many bursts there were, listed or not.
+    pub(crate) const fn burst_count(&self) -> u64 {
+        self.bursts.len() as u64 + self.bursts_untold
+    }
+
     /// The start of the last burst that it lists, microseconds, where it does not list all.
     pub fn listed_until_us(&self) -> Option<u64> {
         let last = self.bursts.last().map_or(0, |b| b.from_us);
@@ -169,19 +184,23 @@ impl Story {
         text: &str,
         wires: impl FnOnce(&str) -> Vec<WireInfo>,
     ) -> Result<Self, Damage> {
-        const HEAD: [&str; 5] = ["bench ", "seed ", "scene ", "limits ", "PWM "];
-        const TIMES: [&str; 5] = ["PRE_SCALE ", "period ", "tick ", "tau_d ", "SOA "];
         const FIGURES: [&str; 2] = ["stimuli", "largest duty"];
         let mut story = Self::schedule(&read_schedule(text, wires)?);
         for line in &mut story.head {
-            let known = |p: &String| HEAD.iter().chain(&TIMES).any(|k| p.starts_with(k));
+            let known = |p: &String| NAMED.iter().chain(&DRIVEN).any(|k| p.starts_with(k));
             line.pieces.retain(|p| line.label.is_empty() && known(p));
         }
         story.head.retain(|line| !line.pieces.is_empty());
+        story.head.push(HeadLine {
+            label: String::new(),
+            pieces: header_pieces(text)?,
+        });
         story.figures.retain(|f| FIGURES.contains(&f.name.as_str()));
         // Only these stand in the file as they happened; breaks and notes do not.
         let told = [HappeningKind::AllOff, HappeningKind::PreScale];
         story.happenings.retain(|h| told.contains(&h.kind));
+        // Of contacts and breaks it knows nothing, so neither does its chart.
+        story.chart.clear();
         story.table.rows.clear();
         story.digests.remove("trace");
         story.partial = true;

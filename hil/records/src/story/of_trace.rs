@@ -1,6 +1,7 @@
 //! The story of a trace.
 
 use super::table::Table;
+use super::text::event as event_line;
 use super::{COLUMNS, GoldenKind, HeadLine, Story, StoryTiming, pad, strip};
 use crate::bursts::bursts;
 use crate::digest;
@@ -14,8 +15,6 @@ use std::collections::BTreeMap;
 
 /// Most contacts or wires with a row.
 const ROWS: usize = 24;
-/// What stands before the text of a happening on its line.
-const BEFORE_TEXT: usize = 31;
 
 impl Story {
     /// Of a run: what the wires were told, and what it came to.
@@ -146,18 +145,16 @@ fn none() -> String {
 /// As much of a happening as its line shows.
 fn to_the_line(happening: &Happening) -> Happening {
     let whole_ms = |us: u64| us / 1000 * 1000;
-    let text: String = happening
-        .text
-        .trim_start()
-        .chars()
-        .take(COLUMNS - BEFORE_TEXT)
-        .collect();
-    Happening {
+    let mut line = Happening {
         t_us: whole_ms(happening.t_us),
         last_us: whole_ms(happening.last_us),
         kind: happening.kind,
-        text: text.trim_end().to_owned(),
-    }
+        text: String::new(),
+    };
+    let left = COLUMNS.saturating_sub(event_line(&line).len());
+    let text: String = happening.text.trim_start().chars().take(left).collect();
+    text.trim_end().clone_into(&mut line.text);
+    line
 }
 
 /// Frequency in thousandths of a hertz, rounded, from an exact period in nanoseconds.

@@ -1,8 +1,8 @@
 //! A golden's text read back into its story, line by line; what no golden has there is named with its line.
 
 use super::table::Table;
-use super::text::LEDGER;
-use super::{DIGEST, GoldenKind, HeadLine, Story, StoryTiming};
+use super::text::{self, LEDGER};
+use super::{DIGEST, DRIVEN, GoldenKind, HeadLine, NAMED, Story, StoryTiming};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::damage::Damage;
 use crate::figures::Figure;
@@ -10,6 +10,10 @@ use crate::fixed::thousandths;
 use crate::trace::Source;
 use crate::words::{Happening, HappeningKind};
 use palpate_core::schedule::Reason;
+use std::collections::BTreeSet;
+
+/// Heading of the ledger before it had units and parts in columns of their own.
+const LEDGER_BEFORE: &str = "ledger                          value           limit";
 
 /// The lines of a text, and which comes next.
 struct Reader<'a> {
@@ -73,6 +77,25 @@ impl<'a> Reader<'a> {
         Ok(rest)
     }
 
+    /// A line that reads so from begin to end.
+    fn exactly(&mut self, line: &str) -> Result<(), Damage> {
+        if self.peek() != Some(line) {
+            return Err(self.wants(&format!("`{line}`")));
+        }
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The line just taken, which has to say what was understood of it, but for spaces.
+    fn understood(&self, as_line: &str) -> Result<(), Damage> {
+        let taken = self.lines.get(self.next.saturating_sub(1));
+        let words = taken.map(|line| line.split_whitespace());
+        match words.is_some_and(|words| words.eq(as_line.split_whitespace())) {
+            true => Ok(()),
+            false => Err(self.wanted(&format!("`{}`", as_line.trim()))),
+        }
+    }
+
     /// The lines up to one that begins so.
     fn until(&mut self, start: &str) -> Result<Vec<String>, Damage> {
         let mut lines = Vec::new();
@@ -113,6 +136,7 @@ pub(super) fn read(text: &str) -> Result<Story, Damage> {
         story.head.push(head(line.trim()));
     }
     reader.blank()?;
+    headed(&reader, &story)?;
     match story.kind {
         GoldenKind::Schedule => schedule(&mut reader, &mut story)?,
         GoldenKind::Contacts => {
@@ -122,9 +146,11 @@ pub(super) fn read(text: &str) -> Result<Story, Damage> {
             {
                 return Err(reader.wants("`pad:..`"));
             }
-            story.pad = reader.until("strip chart:")?;
-            // The empty line between the two belongs to neither.
-            story.pad.pop();
+            while let Some(line) = reader.peek().filter(|l| !l.is_empty()) {
+                story.pad.push(line.to_owned());
+                reader.next += 1;
+            }
+            reader.blank()?;
             let heading = story.table.heading();
             if reader.lines.contains(&heading.as_str()) {
                 story.chart = reader.chart(&heading)?;
@@ -194,6 +220,21 @@ fn head(line: &str) -> HeadLine {
     }
 }
 
+/// Refuses a header that lacks what every header of its kind says.
+fn headed(reader: &Reader<'_>, story: &Story) -> Result<(), Damage> {
+    let drive: &[&str] = match story.kind {
+        GoldenKind::Schedule => &DRIVEN,
+        GoldenKind::Contacts | GoldenKind::Surface => &[],
+    };
+    let plain = story.head.iter().filter(|line| line.label.is_empty());
+    let pieces: Vec<&String> = plain.flat_map(|line| &line.pieces).collect();
+    let lacks = |name: &&&str| !pieces.iter().any(|piece| piece.starts_with(**name));
+    match NAMED.iter().chain(drive).find(lacks) {
+        Some(name) => Err(reader.wants(&format!("`{name}..` in the header above"))),
+        None => Ok(()),
+    }
+}
+
 /// The times that a header names; what it lacks is zero.
 fn timing(head: &[HeadLine]) -> StoryTiming {
     let thousandths_of = |name: &str| {
@@ -215,16 +256,20 @@ fn schedule(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
     story.chart = reader.chart("events:")?;
     happenings(reader, story)?;
     reader.blank()?;
-    let is_ledger = |l: &str| l.starts_with("ledger ") && !l.starts_with(LEDGER);
-    if reader.peek().is_some_and(is_ledger) {
+    if reader.peek() == Some(LEDGER_BEFORE) {
         story.partial = true;
         reader.until("bursts: ")?;
         return bursts(reader, story);
     }
-    reader.begins(LEDGER)?;
+    reader.exactly(LEDGER)?;
+    let mut names = BTreeSet::new();
     while let Some(line) = reader.row() {
         let figure =
             figure(line).ok_or_else(|| reader.wanted("name, value, limit and part used"))?;
+        reader.understood(&text::figure(&figure))?;
+        if !names.insert(figure.name.clone()) {
+            return Err(reader.wanted("each figure once"));
+        }
         story.figures.push(figure);
     }
     reader.blank()?;
@@ -242,6 +287,7 @@ fn happenings(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> 
             None => {
                 let expected = "time, kind and text of an event";
                 let happening = happening(line).ok_or_else(|| reader.wanted(expected))?;
+                reader.understood(&text::event(&happening))?;
                 story.happenings.push(happening);
             }
         }
@@ -254,16 +300,19 @@ fn happenings(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> 
 }
 
 fn rows(reader: &mut Reader<'_>, table: &mut Table) -> Result<(), Damage> {
-    reader.begins(&table.heading())?;
+    reader.exactly(&table.heading())?;
+    let mut keys = BTreeSet::new();
     while let Some(line) = reader.row() {
         match more(line) {
             Some(n) => table.untold = n,
             None => {
                 let cells = table.read_row(line);
                 let expected = format!("{} figures", table.columns.len());
-                table
-                    .rows
-                    .push(cells.ok_or_else(|| reader.wanted(&expected))?);
+                let cells = cells.ok_or_else(|| reader.wanted(&expected))?;
+                if !keys.insert(table.key(&cells)) {
+                    return Err(reader.wanted("each row once"));
+                }
+                table.rows.push(cells);
             }
         }
     }
@@ -324,6 +373,8 @@ fn bursts(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
         .next()
         .and_then(|n| n.parse::<u64>().ok());
     let count = count.ok_or_else(|| reader.wanted("a number of bursts"))?;
+    let tau_d_us = story.timing.tau_d_us;
+    reader.understood(&text::bursts_heading(count, tau_d_us))?;
     let mut at = None;
     while let Some(line) = reader.row() {
         if let Some(n) = more(line) {
@@ -333,11 +384,14 @@ fn bursts(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
         for word in line.split_whitespace() {
             if word.contains(':') {
                 let span = at.ok_or_else(|| reader.wanted("an onset before its wires"))?;
-                let burst = member(word, span).ok_or_else(|| reader.wanted(MEMBER))?;
-                story.bursts.push(burst);
+                let burst = member(word, span).filter(|burst| text::member(burst) == word);
+                story
+                    .bursts
+                    .push(burst.ok_or_else(|| reader.wanted(MEMBER))?);
             } else {
                 let expected = "an onset in microseconds";
-                let span = onset(word, story.timing.tau_d_us);
+                let span = onset(word, tau_d_us);
+                let span = span.filter(|span| text::onset(*span, tau_d_us) == word);
                 at = Some(span.ok_or_else(|| reader.wanted(expected))?);
             }
         }

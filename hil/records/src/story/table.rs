@@ -10,7 +10,7 @@ pub enum Role {
     Key,
     /// A difference in it is told.
     Told,
-    /// It follows from what is told elsewhere.
+    /// It follows from the bursts of the row's wire: a difference is told where these are the same.
     Derived,
 }
 
@@ -39,9 +39,9 @@ use Role::{Derived, Key, Told};
 
 const WIRES: &[Column] = &[
     column("wire", "", Key, 6),
-    column("output", "", Derived, 8),
-    column("x", "mm", Derived, 9),
-    column("y", "mm", Derived, 9),
+    column("output", "", Told, 8),
+    column("x", "mm", Told, 9),
+    column("y", "mm", Told, 9),
     column("bursts", "", Derived, 8),
     column("limited", "", Derived, 9),
     column("on", "s", Derived, 9),
@@ -128,6 +128,13 @@ impl Table {
             let _ = write!(line, "{:gap$}{cell:>width$}", "", width = column.width);
         }
         line
+    }
+
+    /// The cells that name a row.
+    pub(super) fn key(&self, row: &[String]) -> Vec<String> {
+        let cells = self.columns.iter().zip(row);
+        let keys = cells.filter(|(column, _)| column.role == Role::Key);
+        keys.map(|(_, cell)| cell.clone()).collect()
     }
 
     /// The cells of a row's line, if it is one.

@@ -155,6 +155,40 @@ fn digests_of_an_earlier_version_are_not_compared() {
     assert_eq!(old, new);
 }
 
+/// A text says nothing but what its story holds, so that what is compared is all that it says.
+#[test]
+fn what_no_golden_has_there_is_refused() {
+    let trace = synthetic::circle(1);
+    let text = schedule_golden(&trace);
+    let with = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    for (text, word) in [
+        (with("seed 7", "sead 7"), "`seed ..` in the header"),
+        (with("tau_d 35", "tau-d 35"), "`tau_d ..` in the header"),
+        (with("value   ", "valua   "), "value"),
+        (with(" %\n", " &\n"), "%"),
+        (with("0.500 s ", "0.500..0.500 s "), "0.500 s"),
+        (
+            with("it is not 35", "it is not 36"),
+            "where it is not 35.000 ms",
+        ),
+        (with("   994500 ", "   0994500 "), "an onset"),
+        (
+            with("\n     1     0:1", "\n     0     0:1"),
+            "each row once",
+        ),
+        (
+            with("  hottest wire    ", "  energy          "),
+            "each figure once",
+        ),
+    ] {
+        let damage = Story::read(&text).unwrap_err();
+        assert!(damage.to_string().contains(word), "{word}: {damage}");
+    }
+}
+
 /// Before units stood in their own column, the ledger had another heading and contacts were told in words.
 #[test]
 fn goldens_of_an_earlier_version_open_with_what_has_not_changed() {

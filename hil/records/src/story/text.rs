@@ -4,6 +4,7 @@ use super::{COLUMNS, DIGEST, GoldenKind, HeadLine, LINES, Story};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::figures::Figure;
 use crate::fixed::{milli, milli_u};
+use crate::words::Happening;
 
 /// Most happenings told one by one.
 const HAPPENINGS: usize = 40;
@@ -70,16 +71,11 @@ impl Story {
     }
 
     fn events(&self, out: &mut Text) {
-        let all = self.happenings.len() as u64 + self.happenings_untold;
+        let all = self.happening_count();
         out.put(&format!("events: {all}"));
         let listed = self.happenings.len().min(HAPPENINGS);
         for happening in self.happenings.iter().take(listed) {
-            let when = happening.when();
-            let (first, rest) = when.split_once("..").map_or((when.as_str(), ""), |w| w);
-            let dots = if rest.is_empty() { "" } else { ".." };
-            let when = format!("{first:>8}{dots}{rest} s");
-            let kind = happening.kind.word();
-            out.put(&format!("  {when:<18} {kind:<9} {}", happening.text));
+            out.put(&event(happening));
         }
         out.more(all - listed as u64);
     }
@@ -94,23 +90,21 @@ impl Story {
 
     /// The bursts, exactly, as many as fit: with them a difference is told to the microsecond.
     fn list(&self, out: &mut Text) {
-        let all = self.bursts.len() as u64 + self.bursts_untold;
-        out.put(&format!(
-            "bursts: {all}; onset [us], +length [us] where it is not {} ms, wire:ticks",
-            milli_u(self.timing.tau_d_us)
-        ));
+        let all = self.burst_count();
+        let tau_d_us = self.timing.tau_d_us;
+        out.put(&bursts_heading(all, tau_d_us));
         // The digests and the line that counts the rest come after them.
         let most = LINES
             .saturating_sub(out.lines + self.digests.len() + 1)
             .max(1);
         let mut lines = vec![String::new()];
         let mut told = 0;
-        let mut onset = String::new();
+        let mut before = String::new();
         for burst in &self.bursts {
-            let at = self.onset(burst);
+            let at = onset((burst.from_us, burst.to_us), tau_d_us);
             let text = member(burst);
             let Some(line) = lines.last_mut() else { break };
-            let piece = if at == onset && !line.is_empty() {
+            let piece = if at == before && !line.is_empty() {
                 format!(" {text}")
             } else {
                 format!("   {at} {text}")
@@ -122,7 +116,7 @@ impl Story {
             } else {
                 break;
             }
-            onset = at;
+            before = at;
             told += 1;
         }
         lines
@@ -131,15 +125,31 @@ impl Story {
             .for_each(|line| out.put(line));
         out.more(all - told);
     }
+}
 
-    /// When a burst begins and, where it is not tau_d, for how long it lasts.
-    fn onset(&self, burst: &Burst) -> String {
-        let length = burst.to_us - burst.from_us;
-        if length == self.timing.tau_d_us {
-            return burst.from_us.to_string();
-        }
-        format!("{}+{length}", burst.from_us)
+/// An event's line.
+pub(super) fn event(happening: &Happening) -> String {
+    let when = happening.when();
+    let (first, rest) = when.split_once("..").map_or((when.as_str(), ""), |w| w);
+    let dots = if rest.is_empty() { "" } else { ".." };
+    let when = format!("{first:>8}{dots}{rest} s");
+    let kind = happening.kind.word();
+    format!("  {when:<18} {kind:<9} {}", happening.text)
+}
+
+/// Heading of the bursts: how many there are, and what their lines say.
+pub(super) fn bursts_heading(all: u64, tau_d_us: u64) -> String {
+    let tau_d = milli_u(tau_d_us);
+    format!("bursts: {all}; onset [us], +length [us] where it is not {tau_d} ms, wire:ticks")
+}
+
+/// When a burst begins and, where it is not tau_d, for how long it lasts; all microseconds.
+pub(super) fn onset((from_us, to_us): (u64, u64), tau_d_us: u64) -> String {
+    let length = to_us - from_us;
+    if length == tau_d_us {
+        return from_us.to_string();
     }
+    format!("{from_us}+{length}")
 }
 
 fn head(line: &HeadLine) -> String {
@@ -147,7 +157,8 @@ fn head(line: &HeadLine) -> String {
     format!("  {}{colon}{}", line.label, line.pieces.join(", "))
 }
 
-fn figure(figure: &Figure) -> String {
+/// A row of the ledger.
+pub(super) fn figure(figure: &Figure) -> String {
     let used = figure
         .used
         .map_or_else(|| "-".to_owned(), |u| format!("{} %", milli(u)));
@@ -163,7 +174,7 @@ fn figure(figure: &Figure) -> String {
 
 /// One burst: `wire:ticks`, `@board.channel:ticks` for an output that drives no wire, and after less than was
 /// asked for `<ticks(why)`.
-fn member(burst: &Burst) -> String {
+pub(super) fn member(burst: &Burst) -> String {
     let mut text = match burst.output {
         DrivenOutput::Wire(wire) => format!("{wire}:{}", burst.width),
         DrivenOutput::Pin(board, channel) => format!("@{board}.{channel}:{}", burst.width),
