@@ -39,6 +39,8 @@ mod review;
 mod run;
 #[path = "cli/serve.rs"]
 mod serve;
+#[path = "cli/serve_crowd.rs"]
+mod serve_crowd;
 #[path = "cli/shell.rs"]
 mod shell;
 #[path = "cli/skins.rs"]

@@ -105,7 +105,7 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
     let answers = match &desk {
         Some(desk) => {
             note(&format!("participant: {}", desk.url));
-            note(&format!("experimenter: {}", desk.experimenter_url()));
+            note(&format!("experimenter: {}", desk.experimenter_url));
             Answers::Page(desk)
         }
         None => {
