@@ -47,6 +47,10 @@ mod shell;
 mod skins;
 #[path = "cli/study.rs"]
 mod study;
+#[path = "cli/study_page.rs"]
+mod study_page;
+#[path = "cli/study_session.rs"]
+mod study_session;
 #[path = "cli/sweep.rs"]
 mod sweep;
 #[path = "cli/test.rs"]
