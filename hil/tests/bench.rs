@@ -27,5 +27,9 @@ mod overrun;
 mod rig;
 #[path = "bench/run.rs"]
 mod run;
+#[path = "bench/study.rs"]
+mod study;
+#[path = "cli/study_page.rs"]
+mod study_page;
 #[path = "bench/unseen_time.rs"]
 mod unseen_time;

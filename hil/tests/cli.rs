@@ -39,12 +39,18 @@ mod review;
 mod run;
 #[path = "cli/serve.rs"]
 mod serve;
+#[path = "cli/serve_crowd.rs"]
+mod serve_crowd;
 #[path = "cli/shell.rs"]
 mod shell;
 #[path = "cli/skins.rs"]
 mod skins;
 #[path = "cli/study.rs"]
 mod study;
+#[path = "cli/study_page.rs"]
+mod study_page;
+#[path = "cli/study_session.rs"]
+mod study_session;
 #[path = "cli/sweep.rs"]
 mod sweep;
 #[path = "cli/test.rs"]

@@ -13,3 +13,4 @@ pub mod signals;
 pub mod survey;
 pub mod sys;
 pub mod terminal;
+pub mod uptime;

@@ -17,6 +17,21 @@ pub fn as_csv(rows: impl IntoIterator<Item = impl Serialize>) -> String {
     String::from_utf8(text).unwrap_or_default()
 }
 
+/// A text as a cell or a line of a terminal may have it: what moves a cursor, ends a line or turns letters round stands
+/// escaped, such as `\r` or `\u{1b}`.
+pub fn plain(text: &str) -> String {
+    let moves =
+        |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match moves(c) {
+            true => plain.extend(c.escape_default()),
+            false => plain.push(c),
+        }
+    }
+    plain
+}
+
 #[cfg(test)]
 #[path = "table_tests.rs"]
 mod tests;

@@ -7,16 +7,20 @@ use std::time::Duration;
 use palpate_core::guard::Earlier;
 use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
 use palpate_records::digest::short_digest;
-use palpate_records::table::as_csv;
+use palpate_records::table::{as_csv, plain};
 use palpate_run::Failure;
-use palpate_study::{About, Analysis, Line, Noted, Person, Record, Session, VERSION, analyse};
+use palpate_study::{
+    About, Analysis, Line, Person, Played, Record, Reply, Resumed, Said, Session, Step, Stimulus,
+    Uptime, VERSION, analyse,
+};
 
 use super::devices::bench;
 use super::new;
 use super::study_simulate::simulated;
 use crate::cli::{AnalyseArgs, NewKind, StudyAction, StudyRunArgs};
 use crate::study::{
-    Answers, Conducting, Dose, Ended, Folder, Player, Stimuli, conduct, page, planned, wearer,
+    Answers, Conducting, Dose, Ended, Folder, Player, SessionClock, Stimuli, Writing, conduct,
+    page, planned, uptime, wearer,
 };
 use palpate_live::clock;
 use palpate_live::output::{note, print, print_json};
@@ -73,39 +77,29 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
     dose.check()?;
     let folder = Folder::make(&args.out, stimuli.protocol())?;
     let mut writing = folder.participant(args.participant, args.resume)?;
+    let uptime = uptime();
+    let about = about(args, &stimuli, &dose, &uptime)?;
+    if let Some(record) = &writing.record
+        && let Some(difference) = record.about.differs(&about)
+    {
+        return Err(Failure::Input(format!("--resume: {difference}")));
+    }
     let desk = match args.simulated {
         true => None,
         false => Some(Desk::open(args.at)?),
     };
-    let mut player = Player::new(stimuli, args.on.seed, desk.clone());
-    let now_unix_ms = clock::unix_us() / 1000;
-    let began_unix_ms = match &writing.record {
-        None => {
-            let about = about(args, &player, &dose, now_unix_ms)?;
+    let mut player = Player::new(stimuli, dose.rehearsals, args.on.seed, desk.clone());
+    let at_ms = match writing.record.is_some() {
+        true => resume(&mut session, &mut player, &mut writing, &uptime)?,
+        false => {
             writing.add(Line::Session(about))?;
-            now_unix_ms
-        }
-        Some(record) => {
-            let (began_unix_ms, bench) = (record.about.began_unix_ms, player.stimuli().bench());
-            if record.about.bench != bench {
-                return Err(Failure::Input(format!(
-                    "--bench: expected `{}`, on which this session began, found `{bench}`",
-                    record.about.bench
-                )));
-            }
-            resume(&mut session, &mut player, record, player_protocol(args)?)?;
-            let resumed = Noted {
-                at_ms: now_unix_ms.saturating_sub(began_unix_ms),
-                text: format!("palpate {}", env!("CARGO_PKG_VERSION")),
-            };
-            writing.add(Line::Resumed(resumed))?;
-            began_unix_ms
+            0
         }
     };
     let answers = match &desk {
         Some(desk) => {
             note(&format!("participant: {}", desk.url));
-            note(&format!("experimenter: {}", desk.experimenter_url()));
+            note(&format!("experimenter: {}", desk.experimenter_url));
             Answers::Page(desk)
         }
         None => {
@@ -119,7 +113,7 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
         player,
         answers,
         dose: dose.share,
-        began_unix_ms,
+        clock: SessionClock::new(at_ms, &uptime),
         known: dose.known,
         begun: false,
     });
@@ -128,10 +122,6 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
         let _ = desk.hear(LAST);
     }
     told(args, &ended?)
-}
-
-fn player_protocol(args: &StudyRunArgs) -> Result<Protocol, Failure> {
-    Ok(load_protocol(&args.protocol)?.value)
 }
 
 /// How a session ended, in words and a status.
@@ -155,14 +145,14 @@ fn told(args: &StudyRunArgs, ended: &Ended) -> Result<(), Failure> {
 
 fn about(
     args: &StudyRunArgs,
-    player: &Player,
+    stimuli: &Stimuli,
     dose: &Dose,
-    began_unix_ms: u64,
+    uptime: &Uptime,
 ) -> Result<About, Failure> {
-    let stimuli = player.stimuli();
     let protocol: &Loaded<Protocol> = stimuli.protocol();
-    let setup = stimuli.setup(&palpate_study::Stimulus::Silence)?;
+    let setup = stimuli.setup(&Stimulus::Silence)?;
     let bench = &setup.bench.value;
+    let now_us = clock::unix_us();
     Ok(About {
         version: VERSION,
         palpate: env!("CARGO_PKG_VERSION").into(),
@@ -177,27 +167,53 @@ fn about(
         },
         limits_digest: short_digest(&setup.limits.source.values()),
         wires_mm: stimuli.wires_mm().to_vec(),
-        began: clock::date(began_unix_ms * 1000),
-        began_unix_ms,
+        began: clock::date(now_us),
+        began_unix_ms: now_us / 1000,
+        uptime: uptime.clone(),
         simulated: args.simulated,
         dose_planned: dose.share,
     })
 }
 
-/// A session and a bench where the record leaves them.
+/// A session and a bench where the record leaves them. What was about to be played when the program ended counts as played,
+/// and its trial is void. Returns the session's time at this uptime, ms.
 fn resume(
     session: &mut Session,
     player: &mut Player,
-    record: &Record,
-    protocol: Protocol,
-) -> Result<(), Failure> {
-    let resumed = record.resumed(protocol);
+    writing: &mut Writing,
+    uptime: &Uptime,
+) -> Result<u64, Failure> {
+    let Some(record) = &writing.record else {
+        return Ok(0);
+    };
+    let resumed = record.resumed(session.protocol().clone());
     *session = resumed.map_err(|e| Failure::Input(format!("--resume: {e}")))?;
+    let (now_ms, open) = (record.now_ms(uptime), record.open());
     let played = record.replies().filter_map(|said| said.trial.as_ref());
-    for interval in played.flat_map(|played| &played.intervals) {
-        player.remember(interval);
+    let played = played.flat_map(|played| &played.intervals);
+    played.chain(&open).for_each(|one| player.remember(one));
+    writing.add(Line::Resumed(Resumed {
+        at_ms: writing.stamp(now_ms),
+        palpate: env!("CARGO_PKG_VERSION").into(),
+        uptime: uptime.clone(),
+    }))?;
+    if let Step::Trial(trial) = session.step()
+        && !open.is_empty()
+    {
+        let trial = Played {
+            intervals: open,
+            ..Played::of(trial)
+        };
+        let reply = Reply::Void("the program ended".into());
+        let taken = session.take(&reply);
+        taken.map_err(|e| Failure::Input(format!("--resume: {e}")))?;
+        writing.add(Line::Reply(Said {
+            at_ms: writing.stamp(now_ms),
+            reply,
+            trial: Some(trial),
+        }))?;
     }
-    Ok(())
+    Ok(now_ms)
 }
 
 /// What a folder's records say.
@@ -234,7 +250,9 @@ fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
     }
     let mut written = vec![folder.write("index.html", &page(&analysis))?];
     for table in palpate_study::tables(&analysis) {
-        let text = format!("{}\n{}", table.head, as_csv(table.rows));
+        let rows = table.rows.iter();
+        let rows = rows.map(|cells| Vec::from_iter(cells.iter().map(|cell| plain(cell))));
+        let text = format!("{}\n{}", table.head, as_csv(rows));
         written.push(folder.write(table.file, &text)?);
     }
     let wires = records
@@ -268,10 +286,10 @@ fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "  {}: {} {:.2}, {} {:.2}; U {:.1}, p {:.4}, r {:.2} [{:.2}, {:.2}]",
-            c.of,
-            c.first,
+            plain(&c.of),
+            plain(&c.first),
             c.medians[0],
-            c.second,
+            plain(&c.second),
             c.medians[1],
             c.u,
             c.p,
@@ -285,7 +303,11 @@ fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
             writeln!(
                 out,
                 "  {}: {} drawings, RMSE {:.2} mm, Frechet {:.2} mm, {:.2} breaks each",
-                d.condition, d.drawings, rmse.value, frechet.value, d.breaks
+                plain(&d.condition),
+                d.drawings,
+                rmse.value,
+                frechet.value,
+                d.breaks
             )?;
         }
     }
@@ -294,8 +316,8 @@ fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
             writeln!(
                 out,
                 "  {} over {}: {:.0} % [{:.0}, {:.0}], p {:.4}",
-                c.pair[1],
-                c.pair[0],
+                plain(&c.pair[1]),
+                plain(&c.pair[0]),
                 100.0 * part.value,
                 100.0 * part.low,
                 100.0 * part.high,

@@ -5,19 +5,21 @@ use std::time::Duration;
 use palpate_buses::signals::Signals;
 use palpate_run::Failure;
 use palpate_study::{
-    Ask, Known, Line, Noted, Person, Played, Reply, Said, Session, Step, Stimulus, Trial,
+    Known, Line, Noted, Person, Played, Playing, Reply, Said, Session, Step, Stimulus, Trial,
 };
 use serde_json::{Value, json};
 
+use super::clock::SessionClock;
 use super::folder::Writing;
 use super::player::{Off, Player, Went};
+use super::screens::{screen, step_name, words};
 use palpate_live::clock;
 use palpate_live::serve::{Desk, Heard};
 
 /// How often signals are looked for.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Space around the display's wires on a page, mm.
-const MARGIN_MM: f64 = 9.0;
+/// Notes that a record takes at most.
+const MOST_NOTES: usize = 1000;
 
 /// How a session ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,8 +56,8 @@ pub struct Conducting<'a> {
     pub answers: Answers<'a>,
     /// The dose that was planned, as a share.
     pub dose: f64,
-    /// Milliseconds since 1970 at which the session began.
-    pub began_unix_ms: u64,
+    /// Its time, where a person answers.
+    pub clock: SessionClock,
     /// What a simulated person knows of paths.
     pub known: Known,
     /// Whether the participant has said that it may go on; after a void trial that is asked again.
@@ -64,9 +66,16 @@ pub struct Conducting<'a> {
 
 /// What came of a step.
 enum Came {
-    Reply(Reply, Option<Played>),
-    Stopped(String, Option<Played>),
+    Reply(Reply),
+    End(End),
+}
+
+/// What ends a session before all is answered.
+enum End {
+    Stopped(String),
     Signal(&'static str),
+    /// The bench failed, or passed a limit.
+    Failed(Failure),
 }
 
 /// Conducts a session to its end.
@@ -75,16 +84,11 @@ enum Came {
 /// [`Failure`] of the bench, or of the disk: no trial begins before the last answer is on it.
 pub fn conduct(mut of: Conducting<'_>) -> Result<Ended, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
-    let protocol = of.session.protocol().clone();
     if let Answers::Page(desk) = of.answers
         && !of.is_over()
-        && let Some(came) = of.begin(desk, &signals)?
+        && let Some(end) = of.begin(desk, &signals)?
     {
-        return match came {
-            Came::Signal(name) => Ok(Ended::Signal(name)),
-            Came::Stopped(text, played) => of.end(text, played),
-            Came::Reply(..) => Ok(Ended::Done),
-        };
+        return of.end(end, None);
     }
     loop {
         of.tell(None)?;
@@ -95,29 +99,17 @@ pub fn conduct(mut of: Conducting<'_>) -> Result<Ended, Failure> {
         };
         if let Some((ended, screen)) = ended {
             of.show(json!({ "screen": screen }));
-            of.writing.tables(&protocol)?;
+            of.writing.tables(of.session.protocol())?;
             return Ok(ended);
         }
-        match of.step(&signals)? {
-            Came::Reply(reply, trial) => {
-                if let Err(why) = of.session.check(&reply) {
-                    of.note(Line::Note, format!("a reply that is none: {why}"))?;
-                    continue;
-                }
-                let line = Line::Reply(Said {
-                    at_ms: of.now_ms(),
-                    reply: reply.clone(),
-                    trial,
-                });
-                of.writing.add(line)?;
-                of.writing.tables(&protocol)?;
-                of.begun &= !matches!(reply, Reply::Void(_));
-                of.session
-                    .take(&reply)
-                    .map_err(|e| Failure::Input(e.to_string()))?;
-            }
-            Came::Stopped(text, played) => return of.end(text, played),
-            Came::Signal(name) => return Ok(Ended::Signal(name)),
+        let (came, trial) = of.step(&signals)?;
+        let reply = match came {
+            Came::Reply(reply) => reply,
+            Came::End(end) => return of.end(end, trial),
+        };
+        match of.session.check(&reply) {
+            Ok(()) => of.reply(reply, trial)?,
+            Err(why) => of.note(format!("a reply that is none: {why}"))?,
         }
     }
 }
@@ -130,49 +122,88 @@ impl Conducting<'_> {
     /// Milliseconds since the session began; of a simulated person those that the bench has played.
     fn now_ms(&self) -> u64 {
         match self.answers {
-            Answers::Page(_) => (clock::unix_us() / 1000).saturating_sub(self.began_unix_ms),
+            Answers::Page(_) => self.clock.now_ms(),
             Answers::Person(_) => self.player.until_ms(),
         }
     }
 
-    /// STOP: what was going on is void, and the session is over for now.
-    fn end(&mut self, text: String, trial: Option<Played>) -> Result<Ended, Failure> {
-        self.show(json!({ "screen": "stopped" }));
-        if matches!(self.session.step(), Step::Trial(_)) {
-            let reply = Reply::Void("STOP".into());
-            let line = Line::Reply(Said {
-                at_ms: self.now_ms(),
-                reply: reply.clone(),
-                trial,
-            });
-            self.writing.add(line)?;
-            self.session
-                .take(&reply)
-                .map_err(|e| Failure::Input(e.to_string()))?;
-        }
-        self.note(Line::Stopped, text.clone())?;
-        self.tell(Some(&text))?;
-        Ok(Ended::Stopped(text))
+    /// The time of a line that is written now.
+    fn stamp(&self) -> u64 {
+        self.writing.stamp(self.now_ms())
     }
 
-    /// Waits until the participant's page is there and its person says that it may begin.
-    fn begin(&mut self, desk: &Desk, signals: &Signals) -> Result<Option<Came>, Failure> {
+    /// Writes a reply with what was played before it, and goes on.
+    fn reply(&mut self, reply: Reply, trial: Option<Played>) -> Result<(), Failure> {
+        let line = Line::Reply(Said {
+            at_ms: self.stamp(),
+            reply: reply.clone(),
+            trial,
+        });
+        self.writing.add(line)?;
+        self.writing.tables(self.session.protocol())?;
+        self.begun &= !matches!(reply, Reply::Void(_));
+        let taken = self.session.take(&reply);
+        taken.map_err(|e| Failure::Input(e.to_string()))
+    }
+
+    /// The session is over for now. A trial that was open is void, and what was played of it stays in the record.
+    fn end(&mut self, end: End, trial: Option<Played>) -> Result<Ended, Failure> {
+        let (why, is_stop) = match &end {
+            End::Stopped(_) => ("STOP".to_owned(), true),
+            End::Signal(name) => ((*name).to_owned(), false),
+            End::Failed(failure) => (failure.to_string(), false),
+        };
+        if is_stop {
+            self.show(json!({ "screen": "stopped" }));
+        }
+        let was_played = trial.as_ref().is_some_and(|of| !of.intervals.is_empty());
+        if matches!(self.session.step(), Step::Trial(_)) && (is_stop || was_played) {
+            self.reply(Reply::Void(why), trial)?;
+        }
+        match end {
+            End::Stopped(text) => {
+                let line = Line::Stopped(Noted {
+                    at_ms: self.stamp(),
+                    text: text.clone(),
+                });
+                self.writing.add(line)?;
+                self.tell(Some(&text))?;
+                Ok(Ended::Stopped(text))
+            }
+            End::Signal(name) => Ok(Ended::Signal(name)),
+            End::Failed(failure) => Err(failure),
+        }
+    }
+
+    /// Waits until the participant's page is there and its person says that it may begin, unless the session ends before.
+    fn begin(&mut self, desk: &Desk, signals: &Signals) -> Result<Option<End>, Failure> {
         let view = desk.show(json!({ "screen": "begin" }));
         loop {
             match self.wait(desk, view, signals)? {
-                Came::Reply(Reply::Read, _) => {
+                Came::Reply(Reply::Read) => {
                     self.begun = true;
                     return Ok(None);
                 }
-                Came::Reply(..) => {}
-                came => return Ok(Some(came)),
+                Came::Reply(_) => {}
+                Came::End(end) => return Ok(Some(end)),
             }
         }
     }
 
-    fn note(&mut self, line: fn(Noted) -> Line, text: String) -> Result<(), Failure> {
-        let at_ms = self.now_ms();
-        self.writing.add(line(Noted { at_ms, text }))
+    /// Whether the record takes no more notes.
+    fn is_full(&self) -> bool {
+        let lines = self.writing.record.iter().flat_map(|record| &record.lines);
+        let notes = lines.filter(|line| matches!(line, Line::Note(_)));
+        notes.count() >= MOST_NOTES
+    }
+
+    /// Writes a note, unless there are too many.
+    fn note(&mut self, text: String) -> Result<(), Failure> {
+        if self.is_full() {
+            return Ok(());
+        }
+        let at_ms = self.stamp();
+        self.writing.add(Line::Note(Noted { at_ms, text }))
     }
 
     fn show(&self, view: Value) -> u64 {
@@ -180,6 +211,11 @@ impl Conducting<'_> {
             Answers::Page(desk) => desk.show(view),
             Answers::Person(_) => 0,
         }
+    }
+
+    /// What the participant sees of the present step.
+    fn screen(&self) -> Value {
+        screen(&self.session, self.player.stimuli().wires_mm())
     }
 
     /// What the experimenter sees.
@@ -202,6 +238,7 @@ impl Conducting<'_> {
             Step::Trial(trial) => (Some(words(trial)), self.laid(trial)),
             _ => (None, None),
         };
+        let full = "The record takes no more notes.";
         desk.tell(json!({
             "protocol": self.session.protocol().name,
             "participant": about.map(|about| about.participant),
@@ -216,7 +253,7 @@ impl Conducting<'_> {
             "rows": rows,
             "planned": self.dose,
             "seated": desk.is_seated(),
-            "said": said,
+            "said": said.or(self.is_full().then_some(full)),
         }));
         Ok(())
     }
@@ -229,112 +266,138 @@ impl Conducting<'_> {
         laid.next().map(str::to_owned)
     }
 
-    /// A step: shown, played where it is a trial, and answered.
-    fn step(&mut self, signals: &Signals) -> Result<Came, Failure> {
+    /// A step: shown, played where it is a trial, and answered. Returns what was played, however it ended.
+    fn step(&mut self, signals: &Signals) -> Result<(Came, Option<Played>), Failure> {
         let step = self.session.step().clone();
         let Step::Trial(trial) = &step else {
-            return match &self.answers {
+            let came = match &self.answers {
                 Answers::Person(person) => {
                     let reply = person.reply(self.session.protocol(), &step, &self.known);
-                    Ok(Came::Reply(reply.unwrap_or(Reply::Read), None))
+                    Came::Reply(reply.unwrap_or(Reply::Read))
                 }
                 Answers::Page(desk) => {
                     let desk = *desk;
-                    let view = desk.show(self.screen(&step));
-                    self.wait(desk, view, signals)
+                    let view = desk.show(self.screen());
+                    self.wait(desk, view, signals)?
                 }
             };
+            return Ok((came, None));
         };
-        match self.answers {
-            Answers::Person(_) => self.simulated(&step, trial),
-            Answers::Page(desk) => self.trial(desk, trial, signals),
-        }
+        let mut played = Played::of(trial);
+        let came = match self.answers {
+            Answers::Person(_) => self.simulated(&step, trial, &mut played)?,
+            Answers::Page(desk) => self.trial(desk, trial, signals, &mut played)?,
+        };
+        Ok((came, Some(played)))
     }
 
-    fn simulated(&mut self, step: &Step, trial: &Trial) -> Result<Came, Failure> {
-        let mut played = Played::of(trial);
+    /// Plays an interval so long after now, ms. It is in the record before it begins, as what it comes to at most.
+    fn play(
+        &mut self,
+        stimulus: &Stimulus,
+        after_ms: u64,
+        played: &mut Played,
+    ) -> Result<Went, Failure> {
+        let booking = self.player.booking(stimulus, self.now_ms() + after_ms)?;
+        if let Some(interval) = booking {
+            let line = Line::Playing(Playing {
+                at_ms: self.stamp(),
+                number: played.number,
+                attempt: played.attempt,
+                interval,
+            });
+            self.writing.add(line)?;
+        }
+        let (interval, went) = self.player.play(stimulus, self.now_ms() + after_ms)?;
+        played.intervals.push(interval);
+        Ok(went)
+    }
+
+    fn simulated(
+        &mut self,
+        step: &Step,
+        trial: &Trial,
+        played: &mut Played,
+    ) -> Result<Came, Failure> {
+        let pause_ms = (self.session.protocol().pause_s * 1e3) as u64;
         for stimulus in &trial.intervals {
-            let pause_ms = (self.session.protocol().pause_s * 1e3) as u64;
-            let (interval, _) = self
-                .player
-                .play(stimulus, self.player.until_ms() + pause_ms)?;
-            if let Stimulus::Condition(name) = stimulus {
+            if let Went::Failed(failure) = self.play(stimulus, pause_ms, played)? {
+                return Ok(Came::End(End::Failed(failure)));
+            }
+            if let (Stimulus::Condition(name), Some(interval)) = (stimulus, played.intervals.last())
+            {
                 self.known.paths.insert(name.clone(), interval.path.clone());
             }
-            played.intervals.push(interval);
         }
         played.asked_ms = self.now_ms();
         let reply = match &self.answers {
             Answers::Person(person) => person.reply(self.session.protocol(), step, &self.known),
             Answers::Page(_) => None,
         };
-        Ok(Came::Reply(reply.unwrap_or(Reply::Read), Some(played)))
+        Ok(Came::Reply(reply.unwrap_or(Reply::Read)))
     }
 
     /// A trial on the page: a pause, its intervals, its question.
-    fn trial(&mut self, desk: &Desk, trial: &Trial, signals: &Signals) -> Result<Came, Failure> {
-        let mut played = Played::of(trial);
-        let void =
-            |why: &str, played: Played| Ok(Came::Reply(Reply::Void(why.into()), Some(played)));
+    fn trial(
+        &mut self,
+        desk: &Desk,
+        trial: &Trial,
+        signals: &Signals,
+        played: &mut Played,
+    ) -> Result<Came, Failure> {
         // A page that is not there yet is waited for; nothing is played for it.
         if !(self.begun && desk.is_seated())
-            && let Some(came) = self.begin(desk, signals)?
+            && let Some(end) = self.begin(desk, signals)?
         {
-            return Ok(came);
+            return Ok(Came::End(end));
         }
-        let waiting = desk.show(json!({ "screen": "wait" }));
+        desk.show(json!({ "screen": "wait" }));
         if self.laid(trial).is_some()
-            && let Some(came) = self.wait_laid(desk, signals)?
+            && let Some(end) = self.wait_laid(desk, signals)?
         {
-            return Ok(came);
+            return Ok(Came::End(end));
         }
+        let pause = Duration::from_secs_f64(self.session.protocol().pause_s);
         for (number, stimulus) in trial.intervals.iter().enumerate() {
-            let pause = Duration::from_secs_f64(self.session.protocol().pause_s);
-            match self.wait_until(desk, waiting, signals, Some(pause))? {
-                Some(Came::Reply(Reply::Void(why), _)) => return void(&why, played),
-                Some(came) => return Ok(came),
-                None => {}
+            if let Some(came) = self.wait_until(desk, None, signals, Some(pause))? {
+                return Ok(came);
             }
             let number = number + 1;
             let of = trial.intervals.len();
             desk.show(json!({ "screen": "play", "interval": number, "of": of }));
-            let (interval, went) = self.player.play(stimulus, self.now_ms())?;
-            played.intervals.push(interval);
-            match went {
-                Went::Whole => {}
-                Went::Stopped(at) => return Ok(Came::Stopped(off(desk, at), Some(played))),
-                Went::Latched(at, text) => {
-                    let text = format!("{}; {text}", off(desk, at));
-                    return Ok(Came::Stopped(text, Some(played)));
-                }
+            let end = match self.play(stimulus, 0, played)? {
+                Went::Whole => None,
+                Went::Stopped(at) => Some(End::Stopped(off(desk, at))),
+                Went::Latched(at, text) => Some(End::Stopped(format!("{}; {text}", off(desk, at)))),
+                Went::Failed(failure) => Some(End::Failed(failure)),
+            };
+            if let Some(end) = end {
+                return Ok(Came::End(end));
             }
             desk.show(json!({ "screen": "wait" }));
             self.tell(None)?;
         }
         played.asked_ms = self.now_ms();
-        let view = desk.show(self.screen(self.session.step()));
+        let view = desk.show(self.screen());
         loop {
             match self.wait(desk, view, signals)? {
-                Came::Reply(Reply::Answer(answer), _) if trial.ask.check(&answer).is_ok() => {
-                    return Ok(Came::Reply(Reply::Answer(answer), Some(played)));
-                }
-                Came::Reply(Reply::Void(why), _) => return void(&why, played),
-                Came::Reply(..) => {}
+                Came::Reply(Reply::Answer(answer)) if trial.ask.check(&answer).is_err() => {}
+                Came::Reply(Reply::Consent(_) | Reply::Read | Reply::Chosen(_)) => {}
                 came => return Ok(came),
             }
         }
     }
 
     /// Waits until what the experimenter lays under the finger lies there.
-    fn wait_laid(&mut self, desk: &Desk, signals: &Signals) -> Result<Option<Came>, Failure> {
+    fn wait_laid(&mut self, desk: &Desk, signals: &Signals) -> Result<Option<End>, Failure> {
         loop {
             if let Some(name) = signals.caught() {
-                return Ok(Some(Came::Signal(name)));
+                return Ok(Some(End::Signal(name)));
             }
             match desk.hear(GLANCE) {
                 Some(Heard::Laid) => return Ok(None),
-                Some(Heard::Stop) => return Ok(Some(Came::Stopped(off(desk, clock::now()), None))),
-                Some(Heard::Note(text)) => self.note(Line::Note, text)?,
+                Some(Heard::Stop) => return Ok(Some(End::Stopped(off(desk, clock::now())))),
+                Some(Heard::Note(text)) => self.note(text)?,
                 _ => {}
             }
         }
@@ -343,24 +406,24 @@ impl Conducting<'_> {
     /// Waits for a reply to a view.
     fn wait(&mut self, desk: &Desk, view: u64, signals: &Signals) -> Result<Came, Failure> {
         loop {
-            if let Some(came) = self.wait_until(desk, view, signals, None)? {
+            if let Some(came) = self.wait_until(desk, Some(view), signals, None)? {
                 return Ok(came);
             }
         }
     }
 
-    /// The same for so long at most. A lost page is a void trial, if one is open.
+    /// Waits for a reply to a view, if there is one, for so long at most. A lost page is a void trial, if one is open.
     fn wait_until(
         &mut self,
         desk: &Desk,
-        view: u64,
+        view: Option<u64>,
         signals: &Signals,
         most: Option<Duration>,
     ) -> Result<Option<Came>, Failure> {
         let until = most.map(|most| clock::now() + most);
         loop {
             if let Some(name) = signals.caught() {
-                return Ok(Some(Came::Signal(name)));
+                return Ok(Some(Came::End(End::Signal(name))));
             }
             let left = until.map(|until| until.saturating_duration_since(clock::now()));
             if left.is_some_and(|left| left.is_zero()) {
@@ -368,78 +431,25 @@ impl Conducting<'_> {
             }
             let is_trial = matches!(self.session.step(), Step::Trial(_));
             match desk.hear(left.map_or(GLANCE, |left| left.min(GLANCE))) {
-                Some(Heard::Reply(to, reply)) if to == view && !matches!(reply, Reply::Void(_)) => {
-                    return Ok(Some(Came::Reply(reply, None)));
+                Some(Heard::Reply(to, reply))
+                    if view == Some(to) && !matches!(reply, Reply::Void(_)) =>
+                {
+                    return Ok(Some(Came::Reply(reply)));
                 }
-                Some(Heard::Stop) => return Ok(Some(Came::Stopped(off(desk, clock::now()), None))),
-                Some(Heard::Note(text)) => self.note(Line::Note, text)?,
+                Some(Heard::Stop) => {
+                    return Ok(Some(Came::End(End::Stopped(off(desk, clock::now())))));
+                }
+                Some(Heard::Note(text)) => self.note(text)?,
                 Some(Heard::Void(why)) if is_trial => {
-                    return Ok(Some(Came::Reply(Reply::Void(why), None)));
+                    return Ok(Some(Came::Reply(Reply::Void(why))));
                 }
                 Some(Heard::Lost) if is_trial => {
                     let why = "the participant's page was lost".to_owned();
-                    return Ok(Some(Came::Reply(Reply::Void(why), None)));
+                    return Ok(Some(Came::Reply(Reply::Void(why))));
                 }
                 _ => {}
             }
         }
-    }
-
-    /// What the participant sees of a step. Nothing of it names a condition, a wire or a level.
-    fn screen(&self, step: &Step) -> Value {
-        let protocol = self.session.protocol();
-        let (done, all) = self.session.progress();
-        let mut view = match step {
-            Step::Consent => json!({ "screen": "consent", "text": protocol.consent }),
-            Step::Instructions => {
-                json!({ "screen": "instructions", "text": protocol.instructions })
-            }
-            Step::Question(number) => {
-                let question = &protocol.questions[*number];
-                json!({ "screen": "question", "text": question.text, "choices": question.choices })
-            }
-            Step::Break => json!({ "screen": "break", "seconds": protocol.break_s }),
-            Step::Trial(trial) => self.asked(trial),
-            Step::Done => json!({ "screen": "done" }),
-            Step::Declined => json!({ "screen": "declined" }),
-        };
-        view["part"] = json!(done as f64 / all.max(1) as f64);
-        view
-    }
-
-    fn asked(&self, trial: &Trial) -> Value {
-        match &trial.ask {
-            Ask::Interval(question) => json!({ "screen": "interval", "text": question }),
-            Ask::Which(question) => json!({ "screen": "interval", "text": question }),
-            Ask::Place => {
-                json!({ "screen": "place", "text": "Where was it?", "frame_mm": self.frame() })
-            }
-            Ask::Path => {
-                json!({ "screen": "path", "text": "Draw the path that you felt.", "frame_mm": self.frame() })
-            }
-            Ask::Ratings(scales) => {
-                let scales: Vec<Value> = scales
-                    .iter()
-                    .map(|s| json!({ "name": s.name, "low": s.low, "high": s.high }))
-                    .collect();
-                json!({ "screen": "ratings", "text": "How was it?", "scales": scales })
-            }
-        }
-    }
-
-    /// Left, bottom, right and top of what a page shows, mm.
-    fn frame(&self) -> [f64; 4] {
-        let wires = self.player.stimuli().wires_mm();
-        let over = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| {
-            wires.iter().map(|wire| wire[axis]).fold(from, pick)
-        };
-        let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
-        [
-            over(0, f64::min, low) - MARGIN_MM,
-            over(1, f64::min, low) - MARGIN_MM,
-            over(0, f64::max, high) + MARGIN_MM,
-            over(1, f64::max, high) + MARGIN_MM,
-        ]
     }
 }
 
@@ -450,36 +460,4 @@ fn off(desk: &Desk, at: Off) -> String {
         .map(|heard| at.saturating_duration_since(heard));
     let ms = took.map_or(0, |took| took.as_millis());
     format!("STOP on a page; outputs off {ms} ms after it was heard")
-}
-
-const fn step_name(step: &Step) -> &'static str {
-    match step {
-        Step::Consent => "consent",
-        Step::Instructions => "instructions",
-        Step::Question(_) => "question",
-        Step::Break => "break",
-        Step::Trial(_) => "trial",
-        Step::Done => "done",
-        Step::Declined => "declined",
-    }
-}
-
-/// A trial as the experimenter reads it.
-fn words(trial: &Trial) -> String {
-    let played = trial.intervals.iter().map(|stimulus| match stimulus {
-        Stimulus::Silence => "nothing".to_owned(),
-        Stimulus::Wire { wire, level_db } => format!("wire {wire} at {level_db:.1} dB"),
-        Stimulus::Condition(name) => name.clone(),
-    });
-    let played: Vec<String> = played.collect();
-    let practice = if trial.practice { ", practice" } else { "" };
-    let again = match trial.attempt {
-        0 => String::new(),
-        n => format!(", begun for the {}. time", n + 1),
-    };
-    format!(
-        "{}{practice}{again}: {}",
-        trial.task.name(),
-        played.join(", then ")
-    )
 }

@@ -9,7 +9,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_run::{Failure, build};
 use palpate_study::{Known, Session, Stimulus, Trial};
 
-use super::player::{Rehearsed, rehearsed};
+use super::rehearsal::Rehearsals;
 use super::stimuli::Stimuli;
 
 /// What a session comes to at its strongest.
@@ -23,6 +23,8 @@ pub struct Dose {
     pub tasks: Vec<(&'static str, usize, f64)>,
     /// Where each condition's path goes.
     pub known: Known,
+    /// What each stimulus comes to.
+    pub rehearsals: Rehearsals,
 }
 
 /// Computes the dose of what is left of a session. Each stimulus is played once on an emulated bench, from rest; then a guard
@@ -37,7 +39,7 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
         wires_mm: stimuli.wires_mm().to_vec(),
         ..Known::default()
     };
-    let mut rehearsals: Vec<(Stimulus, Rehearsed)> = Vec::new();
+    let mut rehearsals = Rehearsals::default();
     let mut together = earlier.clone();
     let mut tasks: Vec<(&'static str, usize, f64)> = Vec::new();
     let mut before = share(stimuli, &together)?;
@@ -49,19 +51,10 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
     };
     for (index, trial) in trials.iter().enumerate() {
         for stimulus in &trial.intervals {
-            let found = rehearsals.iter().position(|(other, _)| other == stimulus);
-            let place = match found {
-                Some(place) => place,
-                None => {
-                    let rehearsal = rehearsed(stimuli, stimulus, 1)?;
-                    if let Stimulus::Condition(name) = stimulus {
-                        known.paths.insert(name.clone(), rehearsal.path.clone());
-                    }
-                    rehearsals.push((stimulus.clone(), rehearsal));
-                    rehearsals.len() - 1
-                }
-            };
-            let (_, rehearsed) = &rehearsals[place];
+            let rehearsed = rehearsals.of(stimuli, stimulus)?;
+            if let Stimulus::Condition(name) = stimulus {
+                known.paths.insert(name.clone(), rehearsed.path.clone());
+            }
             let began = together.until + pause;
             together.extend(began, rehearsed.bursts.iter().copied());
             together.until = (began + rehearsed.length).max(together.until);
@@ -86,6 +79,7 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
         seconds: together.until.since(Instant::ZERO).as_secs_f64(),
         tasks,
         known,
+        rehearsals,
     })
 }
 

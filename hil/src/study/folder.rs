@@ -3,15 +3,18 @@
 //! `records/participant-N.jsonl` is what counts; `data/` is made from it, after every reply anew.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Loaded, Protocol, load_protocol};
+use palpate_files::{Loaded, Protocol, load_protocol, read_bytes};
 use palpate_live::output::{make_folder, write_file};
 use palpate_run::Failure;
 use palpate_study::{Line, Record, Step};
 
 use super::tables::{data, description, sidecar};
+
+/// Longest record, bytes: many times a session of drawings at 120 Hz.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// A study's folder.
 #[derive(Debug, Clone)]
@@ -33,6 +36,34 @@ pub struct Writing {
 /// Writes a text whole or not at all.
 fn replace(path: &Path, text: &str) -> Result<(), Failure> {
     write_file(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Reads the record of the participant whose number is in its name; none where nothing whole was written yet.
+fn read(path: &Path) -> Result<Option<Record>, Failure> {
+    let bytes = read_bytes(path, "a session's record", MOST_BYTES)?;
+    // What was being written when the program died may end within a letter.
+    let Some(end) = bytes.iter().rposition(|byte| *byte == b'\n') else {
+        return Ok(None);
+    };
+    let failed = |why: String| Failure::Input(format!("{}: {why}", path.display()));
+    let text = str::from_utf8(&bytes[..=end]).map_err(|e| failed(e.to_string()))?;
+    let record = Record::read(text).map_err(|e| failed(e.to_string()))?;
+    let (own, name) = (
+        file_name(record.about.participant),
+        path.file_name().unwrap_or_default(),
+    );
+    match name == own.as_str() {
+        true => Ok(Some(record)),
+        false => Err(failed(format!(
+            "line 1: expected the participant of the file's name, found {}",
+            record.about.participant
+        ))),
+    }
+}
+
+/// The name of a participant's record.
+fn file_name(participant: u32) -> String {
+    format!("participant-{participant}.jsonl")
 }
 
 impl Folder {
@@ -100,13 +131,7 @@ impl Folder {
             if path.extension().is_none_or(|ending| ending != "jsonl") {
                 continue;
             }
-            let text = fs::read_to_string(&path)
-                .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
-            if !text.contains('\n') {
-                continue; // begun, and nothing was written yet
-            }
-            let read = Record::read(&text);
-            records.push(read.map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?);
+            records.extend(read(&path)?);
         }
         records.sort_by_key(|record| record.about.participant);
         Ok(records)
@@ -131,10 +156,7 @@ impl Folder {
     /// [`Failure::Input`] for a number that is taken: by a session that goes on elsewhere, by one that is over, or without
     /// `resume` by one that is not.
     pub fn participant(&self, number: u32, resume: bool) -> Result<Writing, Failure> {
-        let path = self
-            .path
-            .join("records")
-            .join(format!("participant-{number}.jsonl"));
+        let path = self.path.join("records").join(file_name(number));
         let open = OpenOptions::new()
             .read(true)
             .write(true)
@@ -151,16 +173,7 @@ impl Folder {
         if file.try_lock().is_err() {
             return taken("a session of it that goes on");
         }
-        let mut text = String::new();
-        file.read_to_string(&mut text)
-            .map_err(Failure::written(&path))?;
-        let record = match text.contains('\n') {
-            false => None,
-            true => Some(
-                Record::read(&text)
-                    .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?,
-            ),
-        };
+        let record = read(&path)?;
         if let Some(record) = &record {
             let protocol = load_protocol(&self.protocol_path().display().to_string())?.value;
             let session = record
@@ -191,6 +204,13 @@ impl Folder {
 }
 
 impl Writing {
+    /// The time, ms, of a line that is written at a time of the session: each line has one of its own, later than the last.
+    #[must_use]
+    pub fn stamp(&self, now_ms: u64) -> u64 {
+        let last_ms = self.record.as_ref().map_or(0, Record::last_ms);
+        now_ms.max(last_ms + 1)
+    }
+
     /// Adds a line. When this returns it is on the disk.
     ///
     /// # Errors

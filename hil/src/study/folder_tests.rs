@@ -1,6 +1,6 @@
 //! Tests of `folder.rs`.
 
-use palpate_study::{About, Answer, Noted, Played, Reply, Said, Session, VERSION};
+use palpate_study::{About, Answer, Noted, Played, Reply, Said, Session, Uptime, VERSION};
 
 use super::*;
 
@@ -24,6 +24,7 @@ fn about(participant: u32) -> Line {
         wires_mm: vec![[0.0, 0.0]],
         began: String::new(),
         began_unix_ms: 0,
+        uptime: Uptime::default(),
         simulated: true,
         dose_planned: 0.0,
     })
@@ -37,14 +38,14 @@ fn begun(name: &str) -> (PathBuf, Folder, Loaded<Protocol>) {
 }
 
 /// The next trial's answer, as a session says it.
-fn answer(session: &mut Session) -> Line {
+fn answer(session: &mut Session, writing: &Writing) -> Line {
     let Step::Trial(trial) = session.step().clone() else {
         panic!("no trial");
     };
     let reply = Reply::Answer(Answer::Interval(1));
     session.take(&reply).unwrap();
     Line::Reply(Said {
-        at_ms: 7,
+        at_ms: writing.stamp(7),
         reply,
         trial: Some(Played::of(&trial)),
     })
@@ -58,7 +59,8 @@ fn a_number_is_taken_while_its_session_goes_on_and_after_it_is_over() {
     assert!(said.contains("that goes on"), "{said}");
     writing.add(about(3)).unwrap();
     let mut session = Session::new(protocol.value.clone(), 3, 1);
-    writing.add(answer(&mut session)).unwrap();
+    let line = answer(&mut session, &writing);
+    writing.add(line).unwrap();
     drop(writing);
     let said = folder.participant(3, false).unwrap_err().to_string();
     assert!(
@@ -68,7 +70,8 @@ fn a_number_is_taken_while_its_session_goes_on_and_after_it_is_over() {
     let mut writing = folder.participant(3, true).unwrap();
     assert_eq!(writing.record.as_ref().unwrap().lines.len(), 1);
     while !matches!(session.step(), Step::Done) {
-        writing.add(answer(&mut session)).unwrap();
+        let line = answer(&mut session, &writing);
+        writing.add(line).unwrap();
     }
     drop(writing);
     let said = folder.participant(3, true).unwrap_err().to_string();
@@ -83,7 +86,8 @@ fn a_line_that_was_being_written_when_the_program_died_is_cut_off() {
     let mut writing = folder.participant(1, false).unwrap();
     writing.add(about(1)).unwrap();
     let mut session = Session::new(protocol.value, 1, 1);
-    writing.add(answer(&mut session)).unwrap();
+    let line = answer(&mut session, &writing);
+    writing.add(line).unwrap();
     writing
         .add(Line::Note(Noted {
             at_ms: 9,
@@ -112,6 +116,45 @@ fn a_line_that_was_being_written_when_the_program_died_is_cut_off() {
         drop(writing);
         assert_eq!(fs::read(&file).unwrap(), whole, "{cut}");
     }
+    // Within a letter.
+    fs::write(&file, [&whole[..], &[0xc3]].concat()).unwrap();
+    drop(folder.participant(1, true).unwrap());
+    assert_eq!(fs::read(&file).unwrap(), whole);
+    fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn a_record_is_that_of_the_participant_in_its_name() {
+    let (path, folder, _) = begun("renamed");
+    let mut writing = folder.participant(3, false).unwrap();
+    writing.add(about(3)).unwrap();
+    drop(writing);
+    let file = |number: u32| path.join(format!("records/participant-{number}.jsonl"));
+    fs::copy(file(3), file(4)).unwrap();
+    for said in [
+        folder.participant(4, true).unwrap_err().to_string(),
+        folder.records().unwrap_err().to_string(),
+    ] {
+        assert!(said.contains("participant-4.jsonl: line 1"), "{said}");
+        assert!(said.contains("found 3"), "{said}");
+    }
+    fs::remove_dir_all(path).unwrap();
+}
+
+#[test]
+fn each_line_has_a_time_of_its_own() {
+    let (path, folder, _) = begun("stamps");
+    let mut writing = folder.participant(1, false).unwrap();
+    assert_eq!(writing.stamp(0), 1);
+    writing.add(about(1)).unwrap();
+    for (now_ms, expected) in [(0, 1), (0, 2), (9, 9), (3, 10)] {
+        let at_ms = writing.stamp(now_ms);
+        assert_eq!(at_ms, expected);
+        let text = "a note".to_owned();
+        writing.add(Line::Note(Noted { at_ms, text })).unwrap();
+    }
+    drop(writing);
+    assert_eq!(folder.records().unwrap()[0].lines.len(), 4);
     fs::remove_dir_all(path).unwrap();
 }
 

@@ -1,13 +1,17 @@
 //! Studies with people: what a bench plays, what is kept on disk, and the session between them and a page.
 
+mod clock;
 mod conduct;
 mod dose;
 mod folder;
 mod player;
+mod rehearsal;
 mod report;
+mod screens;
 mod stimuli;
 mod tables;
 
+pub use clock::{SessionClock, uptime};
 pub use conduct::{Answers, Conducting, Ended, conduct};
 pub use dose::{Dose, planned};
 pub use folder::{Folder, Writing};

@@ -2,28 +2,25 @@
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Booked, Earlier, Used};
-use palpate_core::schedule::Entry;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
-use palpate_records::trace::{Event, Trace, event};
+use palpate_records::trace::Trace;
 use palpate_records::verdict::Verdict;
-use palpate_run::{Failure, Input, Keep, build, run_with};
-use palpate_study::{Interval, Path, Stimulus};
+use palpate_run::{Failure, Input, Keep, build};
+use palpate_study::{Interval, Stimulus};
 
+use super::rehearsal::{Rehearsals, bursts, path};
 use super::stimuli::Stimuli;
 use palpate_live::serve::Desk;
 use palpate_live::views::Wanted;
 use palpate_live::{clock, host};
 
-/// Time between two points of a path that is known from its scene, s.
-const STEP_S: f64 = 0.02;
-
 /// A bench that plays stimuli one after the other.
 #[derive(Debug)]
 pub struct Player {
     stimuli: Stimuli,
+    rehearsals: Rehearsals,
     seed: u64,
     earlier: Earlier,
     /// The pages that look on; where there are none, virtual time is not held to the wall clock.
@@ -34,7 +31,7 @@ pub struct Player {
 pub type Off = std::time::Instant;
 
 /// How a stimulus went.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub enum Went {
     /// To its end.
     Whole,
@@ -42,53 +39,22 @@ pub enum Went {
     Stopped(Off),
     /// So it did, and the bench keeps it, as this says.
     Latched(Off, String),
-}
-
-/// The bursts of a run, as its guard booked them, with their wires.
-fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
-    let projector = build(setup, 1, Levels::Off)?;
-    let guard = projector.guard();
-    let entries = trace.each().filter(|entry: &&Entry| entry.off > entry.on);
-    let mut bursts = Vec::new();
-    for (wire, own) in (0..).zip(&trace.header.wires) {
-        let of_wire = entries
-            .clone()
-            .filter(|entry| (entry.board.0, entry.channel.0) == (own.board, own.channel));
-        bursts.extend(guard.booked(of_wire).map(|booked| (wire, booked)));
-    }
-    Ok(bursts)
-}
-
-/// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.
-fn path(setup: &Setup, events: &[Event]) -> Path {
-    let strokes = &setup.scene.value.strokes;
-    let mut path = Path::new();
-    for stroke in strokes {
-        let steps = (stroke.length_s / STEP_S).ceil().max(1.0) as u32;
-        path.extend((0..=steps).map(|step| {
-            let way = f64::from(step) / f64::from(steps);
-            let at = |axis: usize| {
-                stroke.from_mm[axis] + way * (stroke.to_mm[axis] - stroke.from_mm[axis])
-            };
-            [stroke.start_s + way * stroke.length_s, at(0), at(1)]
-        }));
-    }
-    if strokes.is_empty() {
-        let target = |onset: &event::Felt| {
-            let [x, y] = [onset.target.x, onset.target.y].map(|um| f64::from(um) * 1e-3);
-            [onset.t_us as f64 * 1e-6, x, y]
-        };
-        path.extend(event::each(events).map(target));
-    }
-    path
+    /// The bench failed, or passed a limit.
+    Failed(Failure),
 }
 
 impl Player {
-    /// A bench on which nothing was played yet.
+    /// A bench on which nothing was played yet. What was rehearsed on it need not be again.
     #[must_use]
-    pub const fn new(stimuli: Stimuli, seed: u64, desk: Option<Desk>) -> Self {
+    pub const fn new(
+        stimuli: Stimuli,
+        rehearsals: Rehearsals,
+        seed: u64,
+        desk: Option<Desk>,
+    ) -> Self {
         Self {
             stimuli,
+            rehearsals,
             seed,
             earlier: Earlier {
                 bursts: Vec::new(),
@@ -121,13 +87,39 @@ impl Player {
         self.earlier.extend(began, bursts);
     }
 
+    /// When a stimulus begins that is played at a time of the session, ms: after what was played before.
+    fn begins(&self, now_ms: u64) -> Instant {
+        Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until)
+    }
+
+    /// What a stimulus at a time of the session, ms, comes to at most: what a guard books for it from rest. `None` where that
+    /// is nothing.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that cannot play it.
+    pub fn booking(
+        &mut self,
+        stimulus: &Stimulus,
+        now_ms: u64,
+    ) -> Result<Option<Interval>, Failure> {
+        let began = self.begins(now_ms);
+        let rehearsed = self.rehearsals.of(&self.stimuli, stimulus)?;
+        let interval = || Interval {
+            stimulus: Some(stimulus.clone()),
+            began_ms: began.as_micros() / 1000,
+            bursts: rehearsed.bursts.iter().map(of_record).collect(),
+            ..Interval::default()
+        };
+        Ok((!rehearsed.bursts.is_empty()).then(interval))
+    }
+
     /// Plays a stimulus at a time of the session, ms. Returns what was played of it, and how it went.
     ///
     /// # Errors
     /// [`Failure`] of a bench that cannot play it.
     pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
         let mut setup = self.stimuli.setup(stimulus)?;
-        let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until);
+        let began = self.begins(now_ms);
         self.earlier.until = began;
         setup.earlier = self.earlier.clone();
         let wanted = Wanted {
@@ -137,11 +129,6 @@ impl Player {
         };
         let outcome = host::run(&setup, &Input::Scene, self.seed, Keep::default(), wanted)?;
         let off = clock::now();
-        let conclusion = &outcome.summary.conclusion;
-        if conclusion.verdict == Verdict::LimitExceeded {
-            // Whatever else it came to: no trial follows one that passed a limit.
-            return Err(Failure::Check(conclusion.line()));
-        }
         let trace = &outcome.trace;
         let bursts = bursts(&setup, trace)?;
         let interval = Interval {
@@ -153,9 +140,14 @@ impl Player {
         };
         self.earlier.extend(began, bursts);
         self.earlier.until += Duration::from_micros(length_us(trace));
+        let conclusion = &outcome.summary.conclusion;
         let went = match outcome.failure {
+            // Whatever else it came to: no trial follows one that passed a limit.
+            _ if conclusion.verdict == Verdict::LimitExceeded => {
+                Went::Failed(Failure::Check(conclusion.line()))
+            }
             Some(Failure::Guard(text)) if self.is_stopped() => Went::Latched(off, text),
-            Some(failure) => return Err(failure),
+            Some(failure) => Went::Failed(failure),
             None if self.is_stopped() => Went::Stopped(off),
             None => Went::Whole,
         };
@@ -202,33 +194,4 @@ fn schedule(trace: &Trace) -> Result<Vec<serde_json::Value>, Failure> {
     values
         .collect::<Result<_, _>>()
         .map_err(|e| failed(e.to_string()))
-}
-
-/// A stimulus from rest and alone, emulated.
-pub(super) struct Rehearsed {
-    /// What its guard booked, with wires.
-    pub(super) bursts: Vec<(u16, Booked)>,
-    /// How long it lasts.
-    pub(super) length: Duration,
-    /// Where it went.
-    pub(super) path: Path,
-}
-
-/// Plays a stimulus on an emulated bench, as fast as it can.
-///
-/// # Errors
-/// [`Failure`] of a bench that cannot play it.
-pub(super) fn rehearsed(
-    stimuli: &Stimuli,
-    stimulus: &Stimulus,
-    seed: u64,
-) -> Result<Rehearsed, Failure> {
-    let setup = stimuli.emulated(stimulus, Earlier::default())?;
-    let outcome = run_with(&setup, &Input::Scene, seed, Keep::default(), &mut ())?;
-    let trace = &outcome.trace;
-    Ok(Rehearsed {
-        bursts: bursts(&setup, trace)?,
-        length: Duration::from_micros(length_us(trace)),
-        path: path(&setup, &trace.events),
-    })
 }

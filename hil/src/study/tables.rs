@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use palpate_files::Protocol;
-use palpate_records::table::as_csv;
+use palpate_records::table::{as_csv, plain};
 use palpate_study::{Answer, Estimate, Participant, Record, Reply, Stimulus};
 use serde_json::{Value, json};
 
@@ -129,7 +129,7 @@ pub fn data(record: &Record) -> String {
             stimuli.to_string(),
             why,
         ];
-        text += &as_csv([row]);
+        text += &as_csv([row.map(|cell| plain(&cell))]);
     }
     text
 }

@@ -22,7 +22,10 @@ pub use analyse::{
 pub use people::{Known, Path, Person};
 pub use psychometric::Psychometric;
 pub use quest::Estimate;
-pub use record::{About, Interval, Line, Noted, Played, Record, RecordError, Said, VERSION};
+pub use record::{
+    About, Interval, Line, Noted, Played, Playing, Record, RecordError, Resumed, Said, Uptime,
+    VERSION,
+};
 pub use session::{Answer, AnswerError, Ask, Reply, Sample, Session, Step, Stimulus, Trial};
 pub use simulate::{
     Detection, Drawings, Levels, Outcome, Places, Simulation, StudyError, Thresholds, simulate,

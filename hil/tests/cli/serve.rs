@@ -12,14 +12,14 @@ use tungstenite::{Message, WebSocket, client};
 use super::*;
 
 /// A run that is served, and the address that it printed.
-struct Served {
-    run: Child,
+pub(super) struct Served {
+    pub(super) run: Child,
     /// `127.0.0.1:PORT`.
-    host: String,
-    token: Option<String>,
+    pub(super) host: String,
+    pub(super) token: Option<String>,
 }
 
-fn served(folder: &Folder, args: &[&str]) -> Served {
+pub(super) fn served(folder: &Folder, args: &[&str]) -> Served {
     let mut command = command(args, &folder.0);
     let mut run = command
         .stdout(Stdio::piped())
@@ -45,7 +45,7 @@ fn served(folder: &Folder, args: &[&str]) -> Served {
 }
 
 impl Served {
-    fn stream(&self) -> TcpStream {
+    pub(super) fn stream(&self) -> TcpStream {
         let stream = TcpStream::connect(&self.host).unwrap();
         let patience = Some(std::time::Duration::from_secs(20));
         stream.set_read_timeout(patience).unwrap();
@@ -61,12 +61,16 @@ impl Served {
         answer
     }
 
-    fn get(&self, path: &str, host: &str) -> String {
+    pub(super) fn get(&self, path: &str, host: &str) -> String {
         self.said(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"))
     }
 
     /// A page's socket.
-    fn page(&self, query: &str, origin: Option<&str>) -> Result<WebSocket<TcpStream>, u16> {
+    pub(super) fn page(
+        &self,
+        query: &str,
+        origin: Option<&str>,
+    ) -> Result<WebSocket<TcpStream>, u16> {
         let mut request = format!("ws://{}/live{query}", self.host)
             .into_client_request()
             .unwrap();
@@ -85,12 +89,12 @@ impl Served {
         }
     }
 
-    fn own_page(&self) -> WebSocket<TcpStream> {
+    pub(super) fn own_page(&self) -> WebSocket<TcpStream> {
         self.page("", Some(&format!("http://{}", self.host)))
             .unwrap()
     }
 
-    fn ended(mut self) -> (Option<i32>, String) {
+    pub(super) fn ended(mut self) -> (Option<i32>, String) {
         let mut out = String::new();
         self.run
             .stdout
@@ -103,7 +107,7 @@ impl Served {
 }
 
 /// What comes next under a key; anything else is passed over.
-fn next(page: &mut WebSocket<TcpStream>, key: &str) -> Value {
+pub(super) fn next(page: &mut WebSocket<TcpStream>, key: &str) -> Value {
     loop {
         let Message::Text(text) = page.read().unwrap() else {
             continue;
@@ -115,7 +119,7 @@ fn next(page: &mut WebSocket<TcpStream>, key: &str) -> Value {
     }
 }
 
-fn stop(page: &mut WebSocket<TcpStream>) {
+pub(super) fn stop(page: &mut WebSocket<TcpStream>) {
     page.send(Message::text(r#"{"stop":true}"#)).unwrap();
 }
 

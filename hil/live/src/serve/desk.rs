@@ -1,7 +1,8 @@
 //! Between a study's session and its two pages: what each page shows, and what was said on it.
 //!
-//! A page says once who it is. It is then told its view whenever that changes. Everything that it says goes into a queue for
-//! the session, but STOP: that is noted at once, on the thread that hears it.
+//! A page says once who it is, and where pages have tokens it has that person's. It is then told its view whenever that
+//! changes. Everything that it says goes into a queue for the session, but STOP: that is noted at once, on the thread that
+//! hears it. The queue has a bound, whatever a page says.
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpStream};
@@ -17,12 +18,16 @@ use serde_json::{Value, json};
 use tungstenite::Message;
 
 use super::files::Page;
-use super::server::{self, Show, converse, socket};
+use super::server::{self, Show, converse, socket, widen};
 use super::slot::Slot;
 use crate::clock;
 
-/// Longest message of a page, bytes: a drawing of ten minutes at 120 Hz.
+/// Longest message of the participant's page, bytes: a drawing of ten minutes at 120 Hz. The experimenter's has a few words.
 const LONGEST: usize = 8 << 20;
+/// Words of pages that wait for the session at most. It takes them up between two stimuli.
+const MOST_WAITING: usize = 64;
+/// Whose pages there are, in the order of their tokens, with their paths.
+const PAGES: [(Who, &str); 2] = [(Who::Participant, ""), (Who::Experimenter, "experimenter")];
 /// A page that says nothing for so long is lost; it says something every second.
 const SILENT: Duration = Duration::from_secs(3);
 
@@ -49,6 +54,8 @@ pub struct Desk {
     shared: Arc<Shared>,
     /// The participant's page, with its token if it needs one.
     pub url: String,
+    /// The experimenter's, with another one.
+    pub experimenter_url: String,
 }
 
 #[derive(Debug, Default)]
@@ -93,6 +100,31 @@ impl Shown {
 }
 
 impl State {
+    /// Lets what was heard wait for the session; false where too much does already.
+    fn wait(&mut self, heard: Heard) -> bool {
+        let is_word = matches!(heard, Heard::Note(_) | Heard::Void(_) | Heard::Laid);
+        if is_word && self.heard.len() >= MOST_WAITING {
+            return false;
+        }
+        let shown = self.participant.number;
+        let is_known = match &heard {
+            // Of a view the first reply counts, and none to a view that is gone.
+            Heard::Reply(view, _) if *view == shown => {
+                let is_old = |other: &Heard| matches!(other, Heard::Reply(to, _) if *to != shown);
+                self.heard.retain(|other| !is_old(other));
+                let mut waiting = self.heard.iter();
+                waiting.any(|other| matches!(other, Heard::Reply(..)))
+            }
+            Heard::Reply(..) => true,
+            Heard::Lost | Heard::Stop => self.heard.contains(&heard),
+            _ => false,
+        };
+        if !is_known {
+            self.heard.push_back(heard);
+        }
+        true
+    }
+
     const fn shown(&mut self, who: Who) -> &mut Shown {
         match who {
             Who::Participant => &mut self.participant,
@@ -129,9 +161,10 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn hear(&self, heard: Heard) {
-        self.held().heard.push_back(heard);
+    fn hear(&self, heard: Heard) -> bool {
+        let waits = self.held().wait(heard);
         self.changed.notify_all();
+        waits
     }
 
     fn stop(&self) {
@@ -139,12 +172,12 @@ impl Shared {
         self.stop.store(true, Ordering::Relaxed);
         let mut state = self.held();
         state.stopped.get_or_insert(clock::now());
-        state.heard.push_back(Heard::Stop);
+        state.wait(Heard::Stop);
         drop(state);
         self.changed.notify_all();
     }
 
-    /// Takes in what a page said; false for what is no message of a page.
+    /// Takes in what a page said; false for what is no message of a page, or one too many.
     fn said(&self, who: Who, text: &str) -> bool {
         let Ok(said) = serde_json::from_str::<Said>(text) else {
             return false;
@@ -152,25 +185,18 @@ impl Shared {
         if said.stop {
             self.stop();
         }
-        match who {
+        let heard = match who {
             Who::Participant => {
-                if let Some(reply) = said.reply {
-                    self.hear(Heard::Reply(said.view, reply));
-                }
+                let reply = said.reply.map(|reply| Heard::Reply(said.view, reply));
+                [reply, None, None]
             }
-            Who::Experimenter => {
-                if let Some(note) = said.note {
-                    self.hear(Heard::Note(note));
-                }
-                if let Some(why) = said.void {
-                    self.hear(Heard::Void(why));
-                }
-                if said.laid {
-                    self.hear(Heard::Laid);
-                }
-            }
-        }
-        true
+            Who::Experimenter => [
+                said.note.map(Heard::Note),
+                said.void.map(Heard::Void),
+                said.laid.then_some(Heard::Laid),
+            ],
+        };
+        heard.into_iter().flatten().all(|heard| self.hear(heard))
     }
 
     /// A new page, which is told the newest view.
@@ -179,11 +205,12 @@ impl Shared {
         let mut state = self.held();
         let shown = state.shown(who);
         slot.show(0, &shown.text());
-        if who == Who::Participant {
-            let older = shown.pages.pop();
+        if who == Who::Participant
+            && let Some(older) = shown.pages.pop()
+        {
+            older.close();
             // Whatever the older one was in the midst of, it will not say.
-            state.heard.extend(older.as_ref().map(|_| Heard::Lost));
-            older.iter().for_each(|page| page.close());
+            state.wait(Heard::Lost);
         }
         state.shown(who).pages.push(Arc::clone(&slot));
         drop(state);
@@ -196,8 +223,8 @@ impl Shared {
         let pages = &mut state.shown(who).pages;
         let own = pages.iter().position(|page| Arc::ptr_eq(page, slot));
         let left = own.map(|own| pages.swap_remove(own));
-        if who == Who::Participant {
-            state.heard.extend(left.map(|_| Heard::Lost));
+        if who == Who::Participant && left.is_some() {
+            state.wait(Heard::Lost);
         }
         drop(state);
         self.changed.notify_all();
@@ -209,15 +236,11 @@ impl Show for Shared {
         Page::Study
     }
 
-    fn longest(&self) -> usize {
-        LONGEST
-    }
-
-    fn page(&self, stream: TcpStream) {
+    fn page(&self, stream: TcpStream, shown: Option<usize>) {
         if stream.set_read_timeout(Some(SILENT)).is_err() {
             return;
         }
-        let mut words = socket(stream, LONGEST);
+        let mut words = socket(stream);
         let first = match words.read() {
             Ok(Message::Text(text)) => serde_json::from_str::<Said>(&text).ok(),
             _ => None,
@@ -225,6 +248,12 @@ impl Show for Shared {
         let Some(who) = first.and_then(|said| said.who) else {
             return;
         };
+        if shown.is_some_and(|page| PAGES[page].0 != who) {
+            return;
+        }
+        if who == Who::Participant {
+            widen(&mut words, LONGEST);
+        }
         let slot = self.open(who);
         converse(words, &slot, |text| self.said(who, text));
         self.close(who, &slot);
@@ -238,17 +267,13 @@ impl Desk {
     /// [`Failure::Device`] where that is not possible.
     pub fn open(address: SocketAddr) -> Result<Self, Failure> {
         let shared = Arc::new(Shared::default());
-        let url = server::serve(address, Arc::clone(&shared) as _)?;
-        Ok(Self { shared, url })
-    }
-
-    /// The experimenter's page.
-    #[must_use]
-    pub fn experimenter_url(&self) -> String {
-        match self.url.split_once('#') {
-            Some((page, token)) => format!("{page}experimenter#{token}"),
-            None => format!("{}experimenter", self.url),
-        }
+        let paths = PAGES.map(|(_, path)| path);
+        let [url, experimenter_url] = server::serve(address, paths, Arc::clone(&shared) as _)?;
+        Ok(Self {
+            shared,
+            url,
+            experimenter_url,
+        })
     }
 
     /// Whether STOP was heard; a run asks this once every turn.
@@ -298,3 +323,7 @@ impl Desk {
         state.heard.pop_front()
     }
 }
+
+#[cfg(test)]
+#[path = "desk_tests.rs"]
+mod tests;

@@ -13,37 +13,36 @@ use crate::link::key::random;
 /// What is asked of requests.
 #[derive(Clone, Debug)]
 pub(super) struct Gate {
-    /// What a socket has to show where other computers may come.
-    token: Option<String>,
+    /// What a socket has to show where other computers may come, one for each page; none elsewhere.
+    tokens: Vec<String>,
 }
 
 impl Gate {
-    /// For a server at this address: on a loopback address names of this computer are enough.
+    /// For a server of so many pages at this address: on a loopback address names of this computer are enough.
     ///
     /// # Errors
     /// [`Failure::Device`] for a system without random bytes.
-    pub(super) fn at(address: SocketAddr) -> Result<Self, Failure> {
-        let make = || {
-            Ok::<_, Failure>(
-                random::<16>()?
-                    .iter()
-                    .map(|byte| format!("{byte:02x}"))
-                    .collect(),
-            )
+    pub(super) fn at(address: SocketAddr, pages: usize) -> Result<Self, Failure> {
+        let make = |_| -> Result<String, Failure> {
+            let bytes = random::<16>()?;
+            Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
         };
-        let token = (!address.ip().is_loopback()).then(make).transpose()?;
-        Ok(Self { token })
+        let needed = if address.ip().is_loopback() { 0 } else { pages };
+        let tokens = (0..needed).map(make).collect::<Result<_, Failure>>()?;
+        Ok(Self { tokens })
     }
 
-    /// The address of the page, with the token if there is one. A browser sends nothing of what stands behind the `#`.
-    pub(super) fn url(&self, address: SocketAddr) -> String {
-        let token = self.token.as_ref().map(|token| format!("#token={token}"));
-        format!("http://{address}/{}", token.unwrap_or_default())
+    /// The address of a page by its path and number, with its token if it has one. A browser sends nothing of what stands
+    /// behind the `#`.
+    pub(super) fn url(&self, address: SocketAddr, path: &str, page: usize) -> String {
+        let token = self.tokens.get(page);
+        let token = token.map(|token| format!("#token={token}"));
+        format!("http://{address}/{path}{}", token.unwrap_or_default())
     }
 
     /// Whether a socket needs a token.
     pub(super) const fn wants_token(&self) -> bool {
-        self.token.is_some()
+        !self.tokens.is_empty()
     }
 
     /// Whether a request may have a file of the page; a sentence where not.
@@ -52,23 +51,26 @@ impl Gate {
         if request.host.is_empty() || !request.host.chars().all(plain) {
             return Err("Host: expected the address of this server");
         }
-        match self.token.is_some() || is_this_computer(&request.host) {
+        match self.wants_token() || is_this_computer(&request.host) {
             true => Ok(()),
             false => Err("Host: expected localhost or a loopback address"),
         }
     }
 
-    /// Whether a request may have a socket; a sentence where not.
-    pub(super) fn admits_socket(&self, request: &Request) -> Result<(), &'static str> {
+    /// Whether a request may have a socket; a sentence where not. Where a token is needed, it is that of the page of this
+    /// number.
+    pub(super) fn admits_socket(&self, request: &Request) -> Result<Option<usize>, &'static str> {
         self.admits(request)?;
         if request.origin.strip_prefix("http://") != Some(&request.host) {
             return Err("Origin: expected this server's own page");
         }
-        match &self.token {
-            Some(token) if request.token() != Some(token) => {
-                Err("token: expected the one that hil printed")
-            }
-            _ => Ok(()),
+        if !self.wants_token() {
+            return Ok(None);
+        }
+        let is_own = |token: &str| self.tokens.iter().position(|own| own == token);
+        match request.token().and_then(is_own) {
+            Some(page) => Ok(Some(page)),
+            None => Err("token: expected the one that hil printed"),
         }
     }
 }

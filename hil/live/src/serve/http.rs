@@ -2,12 +2,56 @@
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
+
+use crate::clock;
 
 /// Longest head of a request, bytes, and most fields in it.
 const MOST_HEAD: usize = 8192;
 const MOST_FIELDS: usize = 64;
+
+/// A connection until a moment: however little comes or is taken at a time, it ends then.
+#[derive(Debug)]
+pub(super) struct Brief<'a> {
+    stream: &'a TcpStream,
+    until: Instant,
+}
+
+impl<'a> Brief<'a> {
+    /// A connection for so long from now on.
+    pub(super) fn new(stream: &'a TcpStream, most: Duration) -> Self {
+        let until = clock::now() + most;
+        Self { stream, until }
+    }
+
+    fn left(&self) -> io::Result<Duration> {
+        let left = self.until.saturating_duration_since(clock::now());
+        match left.is_zero() {
+            true => Err(io::ErrorKind::TimedOut.into()),
+            false => Ok(left),
+        }
+    }
+}
+
+impl Read for Brief<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(Some(self.left()?))?;
+        self.stream.read(into)
+    }
+}
+
+impl Write for Brief<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.set_write_timeout(Some(self.left()?))?;
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
+}
 
 /// What a request asks for.
 #[derive(Debug, Default)]
@@ -33,7 +77,7 @@ impl Request {
     }
 
     /// Reads the head of a request; none of what is no request of a browser.
-    pub(super) fn read(stream: &mut TcpStream) -> io::Result<Option<Self>> {
+    pub(super) fn read(stream: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut head, mut piece) = (Vec::new(), [0; 1024]);
         loop {
             let read = stream.read(&mut piece)?;
@@ -77,7 +121,7 @@ impl Request {
 
 /// Answers with a text; the connection ends with it.
 pub(super) fn answer(
-    stream: &mut TcpStream,
+    stream: &mut impl Write,
     status: &str,
     media_type: &str,
     text: &str,
@@ -93,7 +137,7 @@ pub(super) fn answer(
 }
 
 /// Agrees to a socket.
-pub(super) fn switch(stream: &mut TcpStream, key: &str) -> io::Result<()> {
+pub(super) fn switch(stream: &mut impl Write, key: &str) -> io::Result<()> {
     let accept = derive_accept_key(key.as_bytes());
     write!(
         stream,

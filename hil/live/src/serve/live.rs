@@ -87,7 +87,7 @@ impl Live {
     pub fn open(address: SocketAddr) -> Result<Self, Failure> {
         let hub = Arc::new(Hub::default());
         held(&hub.run).run = u64::from_le_bytes(crate::link::key::random()?);
-        let url = server::serve(address, Arc::clone(&hub) as _)?;
+        let [url] = server::serve(address, [""], Arc::clone(&hub) as _)?;
         Ok(Self { hub, url })
     }
 
@@ -200,9 +200,9 @@ impl Show for Hub {
         Page::Live
     }
 
-    fn page(&self, stream: TcpStream) {
+    fn page(&self, stream: TcpStream, _shown: Option<usize>) {
         let slot = self.open();
-        let words = socket(stream, self.longest());
+        let words = socket(stream);
         converse(words, &slot, |text| self.hear(&slot, text));
         held(&self.pages).retain(|page| !page.is_gone());
         self.look_again();

@@ -1,6 +1,7 @@
 //! Pages for browsers: over a run (`hil run --serve`) or a recording (`hil serve`) in the playground's looks, with pictures
 //! through a WebSocket; and those of a study's participant and experimenter.
 
+mod crowd;
 mod desk;
 mod files;
 mod gate;

@@ -115,7 +115,8 @@ impl Recordings {
     /// # Errors
     /// [`Failure::Device`] where that is not possible.
     pub fn serve(&self, address: SocketAddr) -> Result<String, Failure> {
-        server::serve(address, Arc::clone(&self.runs) as _)
+        let [url] = server::serve(address, [""], Arc::clone(&self.runs) as _)?;
+        Ok(url)
     }
 }
 
@@ -159,8 +160,8 @@ impl Show for Runs {
         Page::Recording
     }
 
-    fn page(&self, stream: TcpStream) {
-        let mut page = socket(stream, self.longest());
+    fn page(&self, stream: TcpStream, _shown: Option<usize>) {
+        let mut page = socket(stream);
         let mut player = None;
         loop {
             let text = match page.read() {

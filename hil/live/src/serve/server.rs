@@ -1,26 +1,31 @@
 //! The server of a page: a thread that waits for browsers, and a thread for each of them.
 
+use std::array;
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::Builder;
+use std::thread::{Builder, park_timeout};
 use std::time::Duration;
 
 use palpate_run::Failure;
 use tungstenite::Message;
-use tungstenite::protocol::{Role, WebSocket, WebSocketConfig};
+use tungstenite::protocol::{Role, WebSocket};
 
+use super::crowd::{Crowd, Leaves, Place};
 use super::files::{self, Page};
 use super::gate::Gate;
-use super::http::{Request, answer, switch};
+use super::http::{Brief, Request, answer, switch};
 use super::slot::Slot;
 
-/// A browser has so long for the head of its request, and for taking what it is sent.
+/// A browser has so long for its request and for taking the answer, both together; a page for each message.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Connections at once; a page needs two at most, once it is loaded one.
-const MOST: usize = 64;
-/// Longest message of a page that looks on, bytes.
+/// Requests that are read or answered at once; a page that loads has ten at most.
+const MOST_STRANGERS: usize = 64;
+/// Pages at once.
+const MOST_PAGES: usize = 64;
+/// Pause after a connection that the system could not hand over, as where no descriptor is left.
+const REST: Duration = Duration::from_millis(10);
+/// Longest message of a page, bytes: a few words.
 const MOST_WISH: usize = 4096;
 
 /// What pages are shown.
@@ -28,20 +33,21 @@ pub(super) trait Show: Send + Sync + 'static {
     /// What the page is over.
     fn look(&self) -> Page;
 
-    /// Longest message of a page, bytes: a wish in a few words, if nothing else is said.
-    fn longest(&self) -> usize {
-        MOST_WISH
-    }
-
-    /// Serves a page through its socket, until either ends.
-    fn page(&self, stream: TcpStream);
+    /// Serves a page through its socket, until either ends. `shown` is the number of the page whose token it has, none where
+    /// pages need no token.
+    fn page(&self, stream: TcpStream, shown: Option<usize>);
 }
 
-/// Listens, and serves from a thread of its own until the program ends. Returns the address of the page.
+/// Listens, and serves pages of these paths from a thread of its own until the program ends. Returns their addresses, each
+/// with a token of its own where one is needed.
 ///
 /// # Errors
 /// [`Failure::Device`] for an address that cannot be listened at.
-pub(super) fn serve(address: SocketAddr, show: Arc<dyn Show>) -> Result<String, Failure> {
+pub(super) fn serve<const N: usize>(
+    address: SocketAddr,
+    paths: [&str; N],
+    show: Arc<dyn Show>,
+) -> Result<[String; N], Failure> {
     let failed = |e: io::Error| {
         let way = match e.kind() {
             io::ErrorKind::AddrInUse => "; another program listens there, port 0 takes a free one",
@@ -51,63 +57,70 @@ pub(super) fn serve(address: SocketAddr, show: Arc<dyn Show>) -> Result<String, 
     };
     let listener = TcpListener::bind(address).map_err(failed)?;
     let address = listener.local_addr().map_err(failed)?;
-    let gate = Gate::at(address)?;
-    let url = gate.url(address);
+    let gate = Gate::at(address, N)?;
+    let urls = array::from_fn(|page| gate.url(address, paths[page], page));
     let accept = move || {
-        let connected = Arc::new(AtomicUsize::new(0));
-        for stream in listener.incoming().flatten() {
-            let (gate, show, connected) = (gate.clone(), Arc::clone(&show), Arc::clone(&connected));
-            if connected.fetch_add(1, Ordering::Relaxed) >= MOST {
-                connected.fetch_sub(1, Ordering::Relaxed);
+        let strangers = Crowd::new(MOST_STRANGERS, Leaves::First);
+        let pages = Crowd::new(MOST_PAGES, Leaves::Last);
+        for stream in listener.incoming() {
+            let Ok(stream) = stream else {
+                park_timeout(REST);
                 continue;
-            }
-            let held = Arc::clone(&connected);
+            };
+            let Ok(place) = strangers.enter(&stream) else {
+                continue;
+            };
+            let (gate, show, pages) = (gate.clone(), Arc::clone(&show), Arc::clone(&pages));
             let page = move || {
                 // A browser that went away, or is none, is its own matter.
-                let _ = connection(stream, &gate, &*show);
-                held.fetch_sub(1, Ordering::Relaxed);
+                let _ = connection(stream, place, &pages, &gate, &*show);
             };
-            if Builder::new().name("page".into()).spawn(page).is_err() {
-                connected.fetch_sub(1, Ordering::Relaxed);
-            }
+            // Without a thread the connection ends here.
+            let _ = Builder::new().name("page".into()).spawn(page);
         }
     };
     Builder::new()
         .name("pages".into())
         .spawn(accept)
         .map_err(failed)?;
-    Ok(url)
+    Ok(urls)
 }
 
-fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
+/// Reads a request and answers it, as a stranger; who asks for a socket and may have it becomes a page.
+fn connection(
+    stream: TcpStream,
+    place: Place,
+    pages: &Arc<Crowd>,
+    gate: &Gate,
+    show: &dyn Show,
+) -> io::Result<()> {
     stream.set_nodelay(true)?;
+    let mut brief = Brief::new(&stream, PATIENCE);
     let plain = "text/plain; charset=utf-8";
-    let Some(request) = Request::read(&mut stream)? else {
-        return answer(
-            &mut stream,
-            "400 Bad Request",
-            plain,
-            "expected a browser's GET",
-        );
+    let Some(request) = Request::read(&mut brief)? else {
+        let expected = "expected a browser's GET";
+        return answer(&mut brief, "400 Bad Request", plain, expected);
     };
     let admitted = match request.path.as_str() {
         "/live" => gate.admits_socket(&request),
-        _ => gate.admits(&request),
+        _ => gate.admits(&request).map(|()| None),
     };
-    if let Err(why) = admitted {
-        return answer(&mut stream, "403 Forbidden", plain, why);
-    }
+    let shown = match admitted {
+        Ok(shown) => shown,
+        Err(why) => return answer(&mut brief, "403 Forbidden", plain, why),
+    };
     match (request.path.as_str(), &request.socket_key) {
         ("/live", Some(key)) => {
-            switch(&mut stream, key)?;
+            let _page = pages.enter(&stream)?;
+            drop(place);
+            switch(&mut brief, key)?;
             stream.set_read_timeout(None)?;
-            show.page(stream);
+            stream.set_write_timeout(Some(PATIENCE))?;
+            show.page(stream, shown);
             Ok(())
         }
         ("/live", None) => answer(
-            &mut stream,
+            &mut brief,
             "426 Upgrade Required",
             plain,
             "expected a WebSocket",
@@ -115,9 +128,9 @@ fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result
         (path, _) => match files::file(path, show.look()) {
             Some(file) => {
                 let text = file.text(&request.host, show.look(), gate.wants_token());
-                answer(&mut stream, "200 OK", file.media_type, &text)
+                answer(&mut brief, "200 OK", file.media_type, &text)
             }
-            None => answer(&mut stream, "404 Not Found", plain, "no such file"),
+            None => answer(&mut brief, "404 Not Found", plain, "no such file"),
         },
     }
 }
@@ -130,7 +143,7 @@ pub(super) fn converse(
     mut hear: impl FnMut(&str) -> bool,
 ) {
     let write = |out: TcpStream| {
-        let (slot, mut out) = (Arc::clone(slot), socket(out, MOST_WISH));
+        let (slot, mut out) = (Arc::clone(slot), socket(out));
         move || {
             while let Some(text) = slot.next() {
                 if out.send(Message::text(&*text)).is_err() {
@@ -155,10 +168,17 @@ pub(super) fn converse(
     slot.close();
 }
 
-/// A socket over an agreed connection, for messages up to so many bytes.
-pub(super) fn socket(stream: TcpStream, longest: usize) -> WebSocket<TcpStream> {
-    let config = WebSocketConfig::default()
-        .max_message_size(Some(longest))
-        .max_frame_size(Some(longest));
-    WebSocket::from_raw_socket(stream, Role::Server, Some(config))
+/// A socket over an agreed connection, for messages of a few words.
+pub(super) fn socket(stream: TcpStream) -> WebSocket<TcpStream> {
+    let mut socket = WebSocket::from_raw_socket(stream, Role::Server, None);
+    widen(&mut socket, MOST_WISH);
+    socket
+}
+
+/// Lets messages of a page be so many bytes long.
+pub(super) fn widen(socket: &mut WebSocket<TcpStream>, longest: usize) {
+    socket.set_config(|config| {
+        config.max_message_size = Some(longest);
+        config.max_frame_size = Some(longest);
+    });
 }

@@ -1,0 +1,109 @@
+//! Stimuli from rest and alone, on an emulated bench: what each comes to at most, before it is played on anyone.
+
+use palpate_core::contact::Levels;
+use palpate_core::guard::{Booked, Earlier};
+use palpate_core::schedule::Entry;
+use palpate_core::units::Duration;
+use palpate_files::Setup;
+use palpate_records::measure::length_us;
+use palpate_records::trace::{Event, Trace, event};
+use palpate_run::{Failure, Input, Keep, build, run_with};
+use palpate_study::{Path, Stimulus};
+
+use super::stimuli::Stimuli;
+
+/// Time between two points of a path that is known from its scene, s.
+const STEP_S: f64 = 0.02;
+/// Seed of what an emulated bench draws.
+const SEED: u64 = 1;
+
+/// A stimulus as it was rehearsed.
+#[derive(Debug, Clone)]
+pub(super) struct Rehearsed {
+    /// What its guard booked, with wires.
+    pub(super) bursts: Vec<(u16, Booked)>,
+    /// How long it lasts.
+    pub(super) length: Duration,
+    /// Where it went.
+    pub(super) path: Path,
+}
+
+/// What was rehearsed so far: each stimulus once.
+#[derive(Debug, Clone, Default)]
+pub struct Rehearsals(Vec<(Stimulus, Rehearsed)>);
+
+impl Rehearsals {
+    /// What a stimulus comes to.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that cannot play it.
+    pub(super) fn of(
+        &mut self,
+        stimuli: &Stimuli,
+        stimulus: &Stimulus,
+    ) -> Result<&Rehearsed, Failure> {
+        let found = self.0.iter().position(|(other, _)| other == stimulus);
+        let place = match found {
+            Some(place) => place,
+            None => {
+                let rehearsed = Rehearsed::new(stimuli, stimulus)?;
+                self.0.push((stimulus.clone(), rehearsed));
+                self.0.len() - 1
+            }
+        };
+        Ok(&self.0[place].1)
+    }
+}
+
+impl Rehearsed {
+    /// Plays a stimulus as fast as it can.
+    fn new(stimuli: &Stimuli, stimulus: &Stimulus) -> Result<Self, Failure> {
+        let setup = stimuli.emulated(stimulus, Earlier::default())?;
+        let outcome = run_with(&setup, &Input::Scene, SEED, Keep::default(), &mut ())?;
+        let trace = &outcome.trace;
+        Ok(Self {
+            bursts: bursts(&setup, trace)?,
+            length: Duration::from_micros(length_us(trace)),
+            path: path(&setup, &trace.events),
+        })
+    }
+}
+
+/// The bursts of a run, as its guard booked them, with their wires.
+pub(super) fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
+    let projector = build(setup, 1, Levels::Off)?;
+    let guard = projector.guard();
+    let entries = trace.each().filter(|entry: &&Entry| entry.off > entry.on);
+    let mut bursts = Vec::new();
+    for (wire, own) in (0..).zip(&trace.header.wires) {
+        let of_wire = entries
+            .clone()
+            .filter(|entry| (entry.board.0, entry.channel.0) == (own.board, own.channel));
+        bursts.extend(guard.booked(of_wire).map(|booked| (wire, booked)));
+    }
+    Ok(bursts)
+}
+
+/// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.
+pub(super) fn path(setup: &Setup, events: &[Event]) -> Path {
+    let strokes = &setup.scene.value.strokes;
+    let mut path = Path::new();
+    for stroke in strokes {
+        let steps = (stroke.length_s / STEP_S).ceil().max(1.0) as u32;
+        path.extend((0..=steps).map(|step| {
+            let way = f64::from(step) / f64::from(steps);
+            let at = |axis: usize| {
+                stroke.from_mm[axis] + way * (stroke.to_mm[axis] - stroke.from_mm[axis])
+            };
+            [stroke.start_s + way * stroke.length_s, at(0), at(1)]
+        }));
+    }
+    if strokes.is_empty() {
+        let target = |onset: &event::Felt| {
+            let [x, y] = [onset.target.x, onset.target.y].map(|um| f64::from(um) * 1e-3);
+            [onset.t_us as f64 * 1e-6, x, y]
+        };
+        path.extend(event::each(events).map(target));
+    }
+    path
+}
