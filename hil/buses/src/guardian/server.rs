@@ -37,7 +37,12 @@ const WORDS: Elapsed = Elapsed::from_millis(200);
 /// standard input. Returns the exit status: 0 after a good-bye, 3 when it cannot guard, 4 after acting.
 pub fn serve(watch: &Watch) -> u8 {
     let stdin = io::stdin();
-    if getsockopt(&stdin, sockopt::SockType) != Ok(SockType::SeqPacket) {
+    let parent = getppid();
+    // Whoever made the socket is the run: a guardian kills no other process, such as the shell in which it is typed.
+    let is_run = getsockopt(&stdin, sockopt::SockType) == Ok(SockType::SeqPacket)
+        && getsockopt(&stdin, sockopt::PeerCredentials)
+            .is_ok_and(|run| run.pid() == parent.as_raw());
+    if !is_run {
         if let Ok(teller) = Teller::start() {
             teller.tell(format_args!("not for people: expected the socket of a run as standard input; `hil run` starts its own guardian"));
             teller.finish(WORDS);
@@ -46,7 +51,6 @@ pub fn serve(watch: &Watch) -> u8 {
     }
     // A session of its own: no terminal's Ctrl-C or hang-up is meant for the guardian.
     let _ = setsid();
-    let parent = getppid();
     match Station::take(watch, parent) {
         Ok((mut station, found)) => {
             say(word::READY, &found);
