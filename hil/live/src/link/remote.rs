@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::time::Duration as Patience;
 
 use palpate_buses::datagrams::{Datagrams, address, is_closed};
-use palpate_buses::guardian::Latch;
+use palpate_buses::hardware::Hardware;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{
     Buffer, Header, Hello, Key, MOST, Refusal, State, Status, VERSION,
@@ -61,9 +61,9 @@ impl UnitPlace {
         }))
     }
 
-    /// The stop that outlives a run on this unit.
-    pub fn latch(&self) -> Latch {
-        Latch::of(format!("unit-{}", self.at).as_ref())
+    /// What the lock and the stops of runs on this unit are of.
+    pub fn hardware(&self) -> Hardware {
+        Hardware::unit(&self.name, &self.key)
     }
 }
 
