@@ -9,6 +9,7 @@ use clap::Parser;
 use crate::cli::{Buses, Cli, Color, Command, RunArgs};
 use crate::command;
 use palpate_live::{again, progress};
+use palpate_run::Failure;
 
 /// Runs a command line, the program's name first, and returns the exit status.
 ///
@@ -20,10 +21,7 @@ pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString
     }
     let cli = match Cli::try_parse_from(line) {
         Ok(cli) => cli,
-        Err(error) => {
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
+        Err(error) => return told(&error),
     };
     if !cli.command.as_ref().is_some_and(Command::is_quiet) {
         progress::allow();
@@ -41,7 +39,21 @@ pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString
     }
 }
 
-fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {
+/// Prints what a command line comes to that starts nothing, help or what is wrong with it; the exit status.
+pub fn told(error: &clap::Error) -> u8 {
+    let printed = error.print().and_then(|()| io::stdout().flush());
+    match printed {
+        // Help that was asked for and is not there; a reader that has gone away is no error.
+        Err(cause) if !error.use_stderr() && cause.kind() != io::ErrorKind::BrokenPipe => {
+            let failure = Failure::written("standard output")(cause);
+            let _ = writeln!(io::stderr(), "{} {failure}", prefix(Color::Auto));
+            failure.status()
+        }
+        _ => u8::try_from(error.exit_code()).unwrap_or(2),
+    }
+}
+
+fn run(cli: Cli) -> Result<u8, Failure> {
     match cli.command {
         None => {
             let on = Buses {

@@ -1,6 +1,6 @@
 //! A bench of hardware that is not there, as a library that is preloaded under the program: I2C adapters with chips of
-//! regular files, CAN sockets of UNIX sockets, clocks that lose time, and memory, threads, descriptors and disks that
-//! fail. The pages by which a test commands it are described in `palpate_tests::fake_bench`.
+//! regular files and their places in sysfs, CAN sockets of UNIX sockets, clocks that lose time, and memory, threads,
+//! descriptors and disks that fail. The pages by which a test commands it are described in `palpate_tests::fake_bench`.
 //!
 //! Each function stands in for one of the C library, which it calls in every case that is none of the bench's. Nothing
 //! here allocates or panics: it is called from wherever the program is. Without the folder in the environment it changes
@@ -22,6 +22,8 @@ mod clock;
 mod i2c;
 #[path = "fake_bench/lacks.rs"]
 mod lacks;
+#[path = "fake_bench/sysfs.rs"]
+mod sysfs;
 #[path = "fake_bench/text.rs"]
 mod text;
 

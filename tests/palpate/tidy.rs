@@ -435,6 +435,7 @@ fn the_table_of_hazards_has_the_tests_of_the_bench() {
         let text = fs::read_to_string(&path).unwrap();
         let of_bench = [
             "bench/guardian_faults.rs",
+            "bench/names.rs",
             "bench/overrun.rs",
             "bench/unseen_time.rs",
             "bench/off.rs",

@@ -15,6 +15,11 @@ use std::sync::atomic::{AtomicI64, AtomicU32, Ordering};
 pub const FOLDER: &str = "PALPATE_FAKE_BENCH";
 /// Adapters that a bench may have: `i2c-0` and so on, each with a page `i2c-0.state` beside it.
 pub const ADAPTERS: usize = 8;
+/// The mode of an adapter's node, a regular file as long as the number of the adapter: to the program it is a device node
+/// of [`MAJOR`] and that number.
+pub const NODE_MODE: u32 = 0o1666;
+/// The major number of I2C adapters. `sys/dev/char/MAJOR:NUMBER/device` in the bench's folder leads to the device.
+pub const MAJOR: u32 = 89;
 /// Chips that an adapter may have.
 pub const CHIPS: usize = 4;
 

@@ -3,12 +3,14 @@
 pub mod can;
 pub mod datagrams;
 pub mod guardian;
+pub mod hardware;
 pub mod i2c;
 pub mod lock;
 pub mod oe;
 pub mod pacer;
 pub mod pulse;
 pub mod served;
+mod shared_file;
 pub mod signals;
 pub mod survey;
 pub mod sys;

@@ -5,20 +5,35 @@
 //!
 //! The file is also the way to its holder. Another program that wants everything off writes a word into it, and the
 //! guardian that holds it looks there. So it is found whatever its program is called and whichever processes can be seen.
+//! Nothing takes the file away: whoever opens it finds the file that others have locked.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
 use nix::errno::Errno;
 use nix::fcntl::{Flock, FlockArg};
-use nix::libc;
+
+use crate::hardware::Hardware;
+use crate::shared_file::{create, open, refuse_newer};
+
+/// The version of a lock's file that this code writes.
+const VERSION: u32 = 1;
+/// What its first line says it is.
+const KIND: &str = "palpate-lock";
+/// Longer than any first line.
+const FIRST: usize = 64;
+/// The bit of a folder's mode by which everybody may write there.
+const OTHERS: u32 = 0o002;
 
 /// The lock, for as long as it lives.
 #[derive(Debug)]
 pub struct BusLock {
     held: Flock<File>,
+    hardware: Hardware,
+    /// Bytes of the file while nothing is asked.
+    length: u64,
 }
 
 /// Why there is none.
@@ -27,12 +42,12 @@ pub enum LockError {
     /// Another program has it: its process number, where the system tells.
     #[error("{path}: in use by {}; two programs on one bus would undo each other's work", who(*.pid))]
     Held {
-        /// The device node.
+        /// The hardware, as its user named it.
         path: String,
         /// The holder.
         pid: Option<u32>,
     },
-    /// The lock's file cannot be opened.
+    /// The lock's file cannot be used.
     #[error("{path}: {error}; it says which program has a bus")]
     Open {
         /// The file.
@@ -60,62 +75,61 @@ fn who(pid: Option<u32>) -> String {
     format!("process {pid} ({})", name.trim())
 }
 
-/// The file that stands for a bus, whatever name it goes by.
-fn file_of(folder: &Path, bus: &Path) -> PathBuf {
-    let bus = fs::canonicalize(bus).unwrap_or_else(|_| bus.to_owned());
-    let name = bus.display().to_string().replace('/', "-");
-    folder.join(format!("palpate{name}.lock"))
+/// The file that stands for hardware.
+fn file_of(folder: &Path, hardware: &Hardware) -> PathBuf {
+    folder.join(format!("palpate-{}.lock", hardware.file()))
 }
 
-/// Opens the file, which may be another user's, or makes it, for all users. Neither a link is followed nor a pipe waited for:
-/// anybody may write to that folder.
-fn open(path: &Path) -> io::Result<File> {
-    let mut options = OpenOptions::new();
-    options.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK);
-    let file = options.read(true).append(true).open(path);
-    let file = match file {
-        // A lock needs no right to write, a word to its holder does.
-        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
-            options.append(false).open(path)?
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            match options.create_new(true).open(path) {
-                Ok(file) => {
-                    // Permissions of another user's file are its owner's to set.
-                    let _ = file.set_permissions(fs::Permissions::from_mode(0o666));
-                    file
-                }
-                // Another program was faster.
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                    options.create_new(false).open(path)?
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        other => other?,
-    };
-    if !file.metadata()?.is_file() {
-        return Err(io::Error::other("expected an ordinary file"));
+/// What the file holds while nothing is asked.
+fn content(hardware: &Hardware) -> String {
+    format!("{KIND} {VERSION}\n{}\n", hardware.place())
+}
+
+/// Opens the file, or makes it.
+fn opened(path: &Path) -> io::Result<File> {
+    let there = || open(path, true);
+    match there() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => match create(path) {
+            // Another program was faster.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => there(),
+            made => made,
+        },
+        other => other,
     }
-    Ok(file)
 }
 
-/// The folder of locks.
-fn folder() -> PathBuf {
+/// Refuses a file that a newer version has left: what else it holds by is not known here.
+fn known(file: &File) -> io::Result<()> {
+    let mut first = [0; FIRST];
+    let length = file.read_at(&mut first, 0)?;
+    refuse_newer(&first[..length], KIND, VERSION)
+}
+
+/// The folder of locks, the same for all users: some systems let root alone write to `/run/lock`.
+fn folder() -> &'static Path {
     let system = Path::new("/run/lock");
-    match system.is_dir() {
-        true => system.to_owned(),
-        false => std::env::temp_dir(),
+    let is_open = |about: fs::Metadata| about.is_dir() && about.mode() & OTHERS != 0;
+    match fs::metadata(system).is_ok_and(is_open) {
+        true => system,
+        false => Path::new("/tmp"),
     }
 }
 
-/// Writes into a bus's lock that its holder is to switch everything off and end.
+/// Writes into a lock that its holder is to switch everything off and end.
 ///
 /// # Errors
 /// [`LockError::Open`].
-pub fn ask_off(bus: &Path) -> Result<(), LockError> {
-    let lock = file_of(&folder(), bus);
-    let asked = open(&lock).and_then(|mut file| file.write_all(b"off\n"));
+pub fn ask_off(hardware: &Hardware) -> Result<(), LockError> {
+    ask_off_within(folder(), hardware)
+}
+
+fn ask_off_within(folder: &Path, hardware: &Hardware) -> Result<(), LockError> {
+    let lock = file_of(folder, hardware);
+    let asked = open(&lock, true).and_then(|file| {
+        known(&file)?;
+        // There is room for it: the file has its block.
+        file.write_all_at(b"off\n", content(hardware).len() as u64)
+    });
     asked.map_err(|error| LockError::Open {
         path: lock.display().to_string(),
         error,
@@ -123,27 +137,29 @@ pub fn ask_off(bus: &Path) -> Result<(), LockError> {
 }
 
 impl BusLock {
-    /// Locks a bus.
+    /// Locks hardware.
     ///
     /// # Errors
     /// [`LockError`]; a held lock names its holder.
-    pub fn take(path: &Path) -> Result<Self, LockError> {
-        Self::within(&folder(), path)
+    pub fn take(hardware: &Hardware) -> Result<Self, LockError> {
+        Self::within(folder(), hardware)
     }
 
-    fn within(folder: &Path, path: &Path) -> Result<Self, LockError> {
-        let lock = file_of(folder, path);
+    pub(crate) fn within(folder: &Path, hardware: &Hardware) -> Result<Self, LockError> {
+        let lock = file_of(folder, hardware);
         let fail = |error: io::Error| LockError::Open {
             path: lock.display().to_string(),
             error,
         };
+        let content = content(hardware);
+        let length = content.len() as u64;
         loop {
-            let file = open(&lock).map_err(fail)?;
+            let file = opened(&lock).map_err(fail)?;
             let held = match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
                 Ok(held) => held,
                 Err((file, Errno::EWOULDBLOCK)) => {
                     return Err(LockError::Held {
-                        path: path.display().to_string(),
+                        path: hardware.to_string(),
                         pid: holder(&file),
                     });
                 }
@@ -156,15 +172,29 @@ impl BusLock {
             });
             if is_there {
                 // What was asked of an earlier holder is done.
-                let _ = held.set_len(0);
-                return Ok(Self { held });
+                known(&held)
+                    .and_then(|()| held.write_all_at(content.as_bytes(), 0))
+                    .and_then(|()| held.set_len(length))
+                    .map_err(fail)?;
+                return Ok(Self {
+                    held,
+                    hardware: hardware.clone(),
+                    length,
+                });
             }
         }
     }
 
+    /// What is locked.
+    pub const fn hardware(&self) -> &Hardware {
+        &self.hardware
+    }
+
     /// Whether another program has asked for everything off since the lock was taken.
     pub fn is_asked_off(&self) -> bool {
-        self.held.metadata().is_ok_and(|file| file.len() > 0)
+        self.held
+            .metadata()
+            .is_ok_and(|file| file.len() > self.length)
     }
 }
 

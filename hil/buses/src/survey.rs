@@ -12,9 +12,9 @@ use socketcan::nl::CanState;
 use socketcan::{CanInterface, CanSocket, Socket};
 
 use crate::can::is_up;
-use crate::guardian::{Latch, Sweeper, Watch, WatchedBus};
+use crate::guardian::{Latch, Sweeper, Watch, WatchedBus, stops_folder};
+use crate::hardware::Hardware;
 use crate::i2c::{LinuxAdapter, number};
-use crate::lock::BusLock;
 use crate::pacer::{Pacer, RunClock};
 use crate::sys::{lock_memory_limit, set_fifo_priority};
 
@@ -68,6 +68,7 @@ impl Finding {
 pub fn survey(can: Option<&[String]>, watch: Option<&Watch>) -> Vec<Finding> {
     let mut findings = look_at_can(can);
     findings.extend(look_at_i2c(watch));
+    findings.push(look_at_stops());
     findings.push(look_at_oe(watch));
     findings.push(look_at_clock());
     findings.extend(look_at_real_time());
@@ -246,12 +247,7 @@ fn look_at_boards(bus: WatchedBus, watch: &Watch) -> Vec<Finding> {
 }
 
 fn look_at_latch(path: &Path) -> Option<Finding> {
-    let latch = Latch::of(path);
-    // Of what a guardian has armed it is a stop only where none is left.
-    let held = match BusLock::take(path) {
-        Ok(_lock) => latch.read_locked()?,
-        Err(_) => latch.read()?,
-    };
+    let held = Latch::of(&Hardware::adapter(path).ok()?).look()?;
     let off = if held.verified {
         "everything was off"
     } else {
@@ -263,6 +259,15 @@ fn look_at_latch(path: &Path) -> Option<Finding> {
         path.display()
     );
     Some(Finding::bad("stop", says, remedy))
+}
+
+/// Where stops are kept: without it nothing is driven.
+fn look_at_stops() -> Finding {
+    const ABOUT: &str = "stops";
+    match stops_folder() {
+        Ok(folder) => Finding::good(ABOUT, format!("kept in {}", folder.display())),
+        Err((says, remedy)) => Finding::bad(ABOUT, says, remedy),
+    }
 }
 
 fn look_at_oe(watch: Option<&Watch>) -> Finding {

@@ -26,10 +26,7 @@ use cli::{Cli, Command, SchemaArgs};
 pub fn main(line: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(line) {
         Ok(cli) => cli,
-        Err(error) => {
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
+        Err(error) => return palpate_hil::program::told(&error),
     };
     let done = match cli.command {
         Command::Skin(args) => ends::skin::run(&args),

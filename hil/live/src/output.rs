@@ -226,7 +226,7 @@ impl Unfinished {
 }
 
 /// Whether a path is or will be an ordinary file, which can have others beside it.
-fn is_ordinary(path: &Path) -> bool {
+pub(crate) fn is_ordinary(path: &Path) -> bool {
     !is_stream(path) && fs::metadata(path).map_or(true, |there| there.is_file())
 }
 

@@ -1,9 +1,22 @@
 //! What a program that serves clients says on standard output while it does: words for people, or JSON Lines.
+//!
+//! A thread of its own writes: a reader that stops reading keeps no unit and no emulator from its next turn.
 
-use std::io::{self, BufWriter, Stdout, Write};
+use std::io::{self, Write};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
+use std::time::Duration;
 
+use palpate_buses::served::wait::monotonic_ns;
 use palpate_run::Failure;
 use serde::Serialize;
+
+/// What may wait for a reader, bytes: a quarter of a minute of a hand whose outputs all change.
+const MOST: usize = 16 << 20;
+/// What is written in one go, bytes: a pipe takes so much at once.
+const PIECE: usize = 4096;
+/// A reader that takes nothing for so long at the end reads no more.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// How a program speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,33 +49,151 @@ pub trait Say: Serialize {
     fn words(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 
+/// Lines that found no place, because nobody read those before.
+#[derive(Debug, Serialize)]
+#[serde(tag = "event", rename = "lost")]
+struct Lost {
+    t_ns: u64,
+    lines: u64,
+}
+
+impl Say for Lost {
+    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "  {} lines are left out: nobody read those before",
+            self.lines
+        )
+    }
+}
+
+/// What waits for the thread that writes.
+#[derive(Debug, Default)]
+struct Waiting {
+    bytes: Vec<u8>,
+    /// The thread may write it.
+    is_due: bool,
+    /// The thread writes what it took.
+    is_writing: bool,
+    /// Pieces written so far.
+    written: u64,
+    /// Lines that found no place since this was last said.
+    lost: u64,
+    /// Nothing is written any more.
+    is_over: bool,
+    /// Why, until somebody has learnt it.
+    failed: Option<io::Error>,
+}
+
+impl Waiting {
+    /// Why nothing can be written any more, once. A reader that went away is no error: the program serves on, unheard.
+    fn failure(&mut self) -> Result<(), Failure> {
+        match self.failed.take() {
+            Some(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                Err(Failure::written("standard output")(error))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct Desk {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+}
+
+impl Desk {
+    /// What waits is whole whatever happened to a thread that held it.
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Writes what comes, until that fails or nobody speaks any more.
+    fn write(&self, mut out: impl Write) {
+        let mut taken = Vec::new();
+        loop {
+            let idle = |w: &mut Waiting| !w.is_over && !(w.is_due && !w.bytes.is_empty());
+            let waited = self.changed.wait_while(self.waiting(), idle);
+            let mut waiting = waited.unwrap_or_else(PoisonError::into_inner);
+            if waiting.is_over {
+                return;
+            }
+            std::mem::swap(&mut waiting.bytes, &mut taken);
+            (waiting.is_due, waiting.is_writing) = (false, true);
+            drop(waiting);
+            let written = taken.chunks(PIECE).try_for_each(|piece| -> io::Result<()> {
+                out.write_all(piece)?;
+                self.waiting().written += 1;
+                Ok(())
+            });
+            let written = written.and_then(|()| out.flush());
+            taken.clear();
+            let mut waiting = self.waiting();
+            waiting.is_writing = false;
+            waiting.is_over |= written.is_err();
+            waiting.failed = written.err();
+            self.changed.notify_all();
+        }
+    }
+
+    /// Returns when everything is written, or nobody has taken anything for a while.
+    fn drain(&self) -> Result<(), Failure> {
+        let mut waiting = self.waiting();
+        waiting.is_due = true;
+        self.changed.notify_all();
+        while !waiting.is_over && (waiting.is_writing || !waiting.bytes.is_empty()) {
+            let written = waiting.written;
+            let waited = self.changed.wait_timeout(waiting, PATIENCE);
+            let (now, late) = waited.unwrap_or_else(PoisonError::into_inner);
+            waiting = now;
+            if late.timed_out() && waiting.written == written {
+                let unread = format!("nobody has read it for {} s", PATIENCE.as_secs());
+                waiting.failed = Some(io::Error::new(io::ErrorKind::TimedOut, unread));
+                waiting.is_over = true;
+            }
+        }
+        waiting.failure()
+    }
+}
+
 /// Standard output, in the form that the command line chose.
 #[derive(Debug)]
 pub struct Teller {
     form: Telling,
-    out: Option<BufWriter<Stdout>>,
+    desk: Arc<Desk>,
+    /// The line in the making: the same memory for all.
+    line: Vec<u8>,
 }
 
 impl Teller {
     /// Speaks in this form.
-    pub fn new(form: Telling) -> Self {
-        let out = (form != Telling::Nothing).then(|| BufWriter::new(io::stdout()));
-        Self { form, out }
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where the system gives no thread.
+    pub fn new(form: Telling) -> Result<Self, Failure> {
+        Self::to(form, io::stdout())
     }
 
-    /// Says what happened.
+    fn to(form: Telling, out: impl Write + Send + 'static) -> Result<Self, Failure> {
+        let desk = Arc::new(Desk::default());
+        let own = Arc::clone(&desk);
+        let thread = Builder::new().name("words".into());
+        let thread = thread.spawn(move || own.write(out));
+        thread.map_err(|e| Failure::Device(format!("a thread that writes: {e}")))?;
+        Ok(Self {
+            form,
+            desk,
+            line: Vec::new(),
+        })
+    }
+
+    /// Says what happened, without waiting for who reads it.
     ///
     /// # Errors
     /// [`Failure::Write`] for a full disk; a reader that went away is no error.
     pub fn tell(&mut self, told: &impl Say) -> Result<(), Failure> {
-        let form = self.form;
-        self.write(|out| match form {
-            Telling::Json => {
-                serde_json::to_writer(&mut *out, told)?;
-                writeln!(out)
-            }
-            _ => told.words(out),
-        })
+        self.say(told, MOST)
     }
 
     /// Lets readers have what was said so far.
@@ -70,20 +201,69 @@ impl Teller {
     /// # Errors
     /// As [`Self::tell`].
     pub fn flush(&mut self) -> Result<(), Failure> {
-        self.write(Write::flush)
+        let mut waiting = self.desk.waiting();
+        waiting.is_due = true;
+        self.desk.changed.notify_all();
+        waiting.failure()
     }
 
-    fn write(
-        &mut self,
-        work: impl FnOnce(&mut BufWriter<Stdout>) -> io::Result<()>,
-    ) -> Result<(), Failure> {
-        match self.out.as_mut().map_or(Ok(()), work) {
-            Ok(()) => Ok(()),
-            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => {
-                self.out = None; // served on, unheard
-                Ok(())
-            }
-            Err(error) => Err(Failure::written("standard output")(error)),
+    /// Says the last word, and returns when everything is written.
+    ///
+    /// # Errors
+    /// As [`Self::tell`], and [`Failure::Write`] where nobody reads it.
+    pub fn finish(mut self, last: &impl Say) -> Result<(), Failure> {
+        self.say(last, usize::MAX)?;
+        self.desk.drain()
+    }
+
+    /// Puts a line among what waits, if that has less than so many bytes.
+    fn say(&mut self, told: &impl Say, most: usize) -> Result<(), Failure> {
+        let mut waiting = self.desk.waiting();
+        waiting.failure()?;
+        if self.form == Telling::Nothing || waiting.is_over {
+            return Ok(());
         }
+        if waiting.bytes.len() >= most {
+            waiting.lost += 1;
+            return Ok(());
+        }
+        self.line.clear();
+        let lost = Lost {
+            t_ns: monotonic_ns(),
+            lines: std::mem::take(&mut waiting.lost),
+        };
+        let first = match lost.lines {
+            0 => Ok(()),
+            _ => append(self.form, &lost, &mut self.line),
+        };
+        let put = first.and_then(|()| append(self.form, told, &mut self.line));
+        waiting.bytes.extend_from_slice(&self.line);
+        put.map_err(Failure::written("standard output"))
     }
 }
+
+impl Drop for Teller {
+    /// A program that ends otherwise has its last words read too.
+    fn drop(&mut self) {
+        // Nobody is left to learn of it.
+        let _ = self.desk.drain();
+        self.desk.waiting().is_over = true;
+        self.desk.changed.notify_all();
+    }
+}
+
+/// Puts what happened at the end of a line of this form.
+fn append(form: Telling, told: &impl Say, line: &mut Vec<u8>) -> io::Result<()> {
+    match form {
+        Telling::Json => {
+            serde_json::to_writer(&mut *line, told)?;
+            line.push(b'\n');
+            Ok(())
+        }
+        _ => told.words(line),
+    }
+}
+
+#[cfg(test)]
+#[path = "telling_tests.rs"]
+mod tests;

@@ -1,5 +1,6 @@
 //! `hil doctor`: what this machine can do, what is missing, what to type.
 
+use palpate_buses::guardian::Latch;
 use palpate_buses::survey::{Finding, survey};
 use serde::Serialize;
 
@@ -176,7 +177,7 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
             ..finding("unit host", false, "another host drives it".into(), None)
         });
     }
-    if let Some(held) = place.latch().read() {
+    if let Some(held) = Latch::of(&place.hardware()).look() {
         let says = format!("a run on it was stopped: {}", held.cause);
         let remedy = format!("hil off --unlatch --unit {} --key FILE", place.name);
         found.push(finding("unit stop", false, says, Some(remedy)));

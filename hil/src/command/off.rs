@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use palpate_buses::guardian::{Latch, Sweeper, Watch};
+use palpate_buses::hardware::Hardware;
 use palpate_buses::lock::{BusLock, LockError, ask_off};
 use palpate_buses::oe::OeLine;
 
@@ -53,34 +54,47 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
     if let Some(Err(reason)) = &oe {
         note(reason);
     }
-    let result = sweep(&watch, &mut lines);
-    for path in watch.buses.iter().map(|bus| &bus.path) {
-        let latch = Latch::of(path);
-        // What a dead guardian left armed is a stop too; while one lives it is not.
-        let held = match result.is_ok() {
-            true => latch.read_locked(),
-            false => latch.read(),
-        };
-        let Some(held) = held else {
-            continue;
-        };
-        lines.push(format!(
-            "{}: stopped earlier: {}",
-            path.display(),
-            held.cause
-        ));
-        if !args.unlatch {
-            lines.push(format!(
-                "{}: stays latched; `hil off --unlatch` clears it",
-                path.display()
-            ));
-        } else if result.is_ok() {
-            latch.clear().map_err(Failure::written(path))?;
-            lines.push(format!("{}: the stop is cleared", path.display()));
-        }
+    let Swept {
+        hardware,
+        locks,
+        off,
+    } = sweep(&watch, &mut lines);
+    for hardware in &hardware {
+        let lock = locks.iter().find(|lock| lock.hardware().is(hardware));
+        tell_stop(hardware, lock, args.unlatch, off.is_ok(), &mut lines)?;
     }
     print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
-    result
+    off
+}
+
+/// Says which stop is kept of hardware, and clears it under its lock where that is wanted and everything `is_off`.
+fn tell_stop(
+    hardware: &Hardware,
+    lock: Option<&BusLock>,
+    unlatch: bool,
+    is_off: bool,
+    lines: &mut Vec<String>,
+) -> Result<(), Failure> {
+    let latch = Latch::of(hardware);
+    // What a dead run left armed is a stop too; while one lives it is not.
+    let held = lock.map_or_else(|| latch.read(), |lock| latch.read_locked(lock));
+    let Some(held) = held else {
+        return Ok(());
+    };
+    lines.push(format!("{hardware}: stopped earlier: {}", held.cause));
+    match lock.filter(|_| is_off) {
+        _ if !unlatch => lines.push(format!(
+            "{hardware}: stays latched; `hil off --unlatch` clears it"
+        )),
+        Some(lock) => {
+            latch
+                .clear(lock)
+                .map_err(Failure::written(hardware.to_string()))?;
+            lines.push(format!("{hardware}: the stop is cleared"));
+        }
+        None => {}
+    }
+    Ok(())
 }
 
 /// The same of a driver unit: it switches off and stops, and only a host that begins after this goes on.
@@ -99,35 +113,54 @@ fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
             "unit {name}: no host that runs goes on; `hil run` begins anew"
         ));
     }
-    let latch = place.latch();
-    if let Some(held) = latch.read() {
-        lines.push(format!("unit {name}: stopped earlier: {}", held.cause));
-        if !unlatch {
-            lines.push(format!(
-                "unit {name}: stays latched; `hil off --unlatch` clears it"
-            ));
-        } else if stopped.is_ok() {
-            latch.clear().map_err(Failure::written(name))?;
-            lines.push(format!("unit {name}: the stop is cleared"));
+    let hardware = place.hardware();
+    // A run of this computer ends when its unit has stopped, and keeps that stop.
+    let lock = match &stopped {
+        Ok(_) => {
+            let (mut locks, held) = take_over(std::slice::from_ref(&hardware), &mut lines);
+            lines.extend(held);
+            locks.pop()
         }
-    }
+        Err(_) => BusLock::take(&hardware).ok(),
+    };
+    let is_off = stopped.is_ok();
+    tell_stop(&hardware, lock.as_ref(), unlatch, is_off, &mut lines)?;
     print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
     stopped.map(drop)
 }
 
+/// What came of switching adapters off.
+struct Swept {
+    /// Those that are there.
+    hardware: Vec<Hardware>,
+    /// The locks of those that nobody else holds any more.
+    locks: Vec<BusLock>,
+    /// Whether everything is known to be off, and nobody is left to switch on again.
+    off: Result<(), Failure>,
+}
+
 /// Switches everything off that answers, ends the runs that hold the buses, and switches off again.
-fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
+fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Swept {
     let (mut sweeper, missing) = Sweeper::open_some(&watch.buses);
     // At once, side by side, before anything is looked at or anybody is asked.
     let (found, _) = sweeper.off(FIRST);
     lines.extend(found.iter().map(ToString::to_string));
-    let (locks, mut wrong) = take_over(watch, lines);
+    let (mut hardware, mut unknown) = (Vec::new(), Vec::new());
+    for bus in &watch.buses {
+        match Hardware::adapter(&bus.path) {
+            Ok(known) => hardware.push(known),
+            Err(error) => unknown.push(error),
+        }
+    }
+    let (locks, mut wrong) = take_over(&hardware, lines);
+    // Why an adapter that is missing cannot be named says nothing more.
+    unknown.retain(|error| !missing.iter().any(|missing| missing.path == error.path));
+    wrong.extend(unknown.iter().map(ToString::to_string));
     wrong.extend(missing.iter().map(ToString::to_string));
     // Once more where nobody else is left to switch on, or for as long as a slow adapter may take.
     let (_, not_off) = sweeper.off(PATIENCE);
     wrong.extend(not_off);
-    drop(locks);
-    match wrong.is_empty() {
+    let off = match wrong.is_empty() {
         true => {
             lines.push("everything is off, and read back".into());
             Ok(())
@@ -136,18 +169,28 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
             "not everything is known to be off: {}",
             wrong.join("; ")
         ))),
+    };
+    Swept {
+        hardware,
+        locks,
+        off,
     }
 }
 
-/// The locks of all buses; whoever holds one is asked through it to switch off and end. Then which are still held.
-fn take_over(watch: &Watch, lines: &mut Vec<String>) -> (Vec<BusLock>, Vec<String>) {
-    let (clock, mut locks, mut wrong) = (RunClock::start(), Vec::new(), Vec::new());
-    for path in watch.buses.iter().map(|bus| &bus.path) {
+/// The locks of all hardware; whoever holds one is asked through it to switch off and end. Then which are still held.
+fn take_over(all: &[Hardware], lines: &mut Vec<String>) -> (Vec<BusLock>, Vec<String>) {
+    let (clock, mut wrong) = (RunClock::start(), Vec::new());
+    let mut locks: Vec<BusLock> = Vec::new();
+    for hardware in all {
+        // By another name it has been taken over already.
+        if locks.iter().any(|lock| lock.hardware().is(hardware)) {
+            continue;
+        }
         let mut asked = None;
         loop {
-            let error = match BusLock::take(path) {
+            let error = match BusLock::take(hardware) {
                 Ok(lock) => {
-                    let ended = asked.map(|who| format!("{}: ended {who}", path.display()));
+                    let ended = asked.map(|who| format!("{hardware}: ended {who}"));
                     lines.extend(ended);
                     locks.push(lock);
                     break;
@@ -165,7 +208,7 @@ fn take_over(watch: &Watch, lines: &mut Vec<String>) -> (Vec<BusLock>, Vec<Strin
             }
             if asked.is_none() {
                 asked = Some(error.holder());
-                if let Err(error) = ask_off(path) {
+                if let Err(error) = ask_off(hardware) {
                     wrong.push(error.to_string());
                 }
             }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use palpate_buses::guardian::{Latch, Sweeper};
+use palpate_buses::hardware::Hardware;
 use palpate_records::trace::event;
 
 use palpate_files::{Bench, Overload, Scene};
@@ -62,9 +63,11 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
     };
     let mut wrong = Vec::new();
     let watch = watch(bench, real);
-    for path in watch.buses.iter().map(|bus| &bus.path) {
-        if let Some(held) = Latch::of(path).read() {
-            wrong.push(format!("{}: stopped: {}", path.display(), held.cause));
+    // One that is not there is complained of below.
+    let adapters = watch.buses.iter();
+    for hardware in adapters.filter_map(|bus| Hardware::adapter(&bus.path).ok()) {
+        if let Some(held) = Latch::of(&hardware).read() {
+            wrong.push(format!("{hardware}: stopped: {}", held.cause));
         }
     }
     match Sweeper::open(&watch.buses) {

@@ -3,6 +3,7 @@
 use std::ffi::CString;
 use std::fs::{self, File};
 use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -12,7 +13,9 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use nix::time::{ClockId, clock_gettime};
-use palpate_tests::fake_bench::{AdapterPage, ClockPage, FOLDER, Mapped, Mode, Page, ScarcePage};
+use palpate_tests::fake_bench::{
+    AdapterPage, ClockPage, FOLDER, MAJOR, Mapped, Mode, NODE_MODE, Page, ScarcePage,
+};
 
 use crate::feed::Feed;
 use crate::run::{Run, Said};
@@ -166,7 +169,7 @@ impl Bench {
         let folder = std::env::temp_dir().canonicalize().unwrap().join(name);
         fs::create_dir_all(folder.join("state")).unwrap();
         let adapter = |n: usize| {
-            File::create(folder.join(format!("i2c-{n}"))).unwrap();
+            plug(&folder, n, &format!("port-{n}"));
             let page: Mapped<AdapterPage> = mapped(&folder.join(format!("i2c-{n}.state")));
             page.put(&[CHIP]);
             page
@@ -194,10 +197,28 @@ impl Bench {
         self.path(&format!("i2c-{adapter}"))
     }
 
+    /// Plugs an adapter in at this port, as the kernel's adapter of that number.
+    pub fn plug(&self, number: usize, port: &str) {
+        plug(&self.folder, number, port);
+    }
+
+    /// Unplugs what is the kernel's adapter of this number.
+    pub fn unplug(&self, number: usize) {
+        fs::remove_file(self.node(number)).unwrap();
+        let entry = self.path(&format!("sys/dev/char/{MAJOR}:{number}/device"));
+        fs::remove_dir_all(entry.canonicalize().unwrap()).unwrap();
+        fs::remove_dir_all(entry.parent().unwrap()).unwrap();
+    }
+
     /// The bench's file: eight wires, spread over the adapters.
     fn text(&self) -> String {
-        let count = self.adapters.len();
-        let nodes: Vec<_> = (0..count).map(|n| self.node(n)).collect();
+        let nodes: Vec<_> = (0..self.adapters.len()).map(|n| self.node(n)).collect();
+        self.text_on(&nodes)
+    }
+
+    /// The same on adapters by these names.
+    pub fn text_on(&self, nodes: &[PathBuf]) -> String {
+        let count = nodes.len();
         let mut text = format!(
             "name = \"fake\"\ndescription = \"chips of a fake bench\"\nkind = \"real\"\ndisplay = \"thimble-8\"\nlimits = \"default\"\n\
              wire = {{ kind = \"loose-8mm\", alloy = \"low\" }}\n\
@@ -336,14 +357,29 @@ impl Bench {
 
     /// What the stops say that are latched, one file after the other.
     pub fn latched(&self) -> String {
-        let mut text = String::new();
-        for entry in fs::read_dir(self.path("state")).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_some_and(|e| e == "stop") {
-                text += &fs::read_to_string(path).unwrap();
-            }
-        }
-        text
+        let records = self.records().into_iter().map(|(_, text)| text);
+        records.filter(|t| t.contains("state=stopped")).collect()
+    }
+
+    /// The records of all hardware, and their files.
+    pub fn records(&self) -> Vec<(PathBuf, String)> {
+        let entries = fs::read_dir(self.path("state")).unwrap();
+        let files = entries.map(|entry| entry.unwrap().path());
+        let read = |path: PathBuf| (path.clone(), fs::read_to_string(path).unwrap());
+        files.map(read).collect()
+    }
+
+    /// The files of the locks of its hardware. What they are called is the program's own business: they name the folder.
+    pub fn locks(&self) -> Vec<PathBuf> {
+        let own = self.folder.display().to_string();
+        let folders = ["/run/lock", "/tmp"].into_iter();
+        let entries = folders.flat_map(|folder| fs::read_dir(folder).into_iter().flatten());
+        let files = entries.flatten().filter(|entry| {
+            let name = entry.file_name();
+            name.to_string_lossy().starts_with("palpate-")
+        });
+        let is_own = |path: &PathBuf| fs::read_to_string(path).is_ok_and(|t| t.contains(&own));
+        files.map(|entry| entry.path()).filter(is_own).collect()
     }
 
     /// A process that is to be gone when the test is over.
@@ -364,6 +400,18 @@ pub fn is_on(page: &AdapterPage) -> bool {
     page.state().on.iter().any(|on| *on != 0)
 }
 
+/// Makes an adapter's node, and its place in sysfs: the device of this number at a port.
+fn plug(folder: &Path, number: usize, port: &str) {
+    let node = folder.join(format!("i2c-{number}"));
+    File::create(&node).unwrap().set_len(number as u64).unwrap();
+    fs::set_permissions(&node, fs::Permissions::from_mode(NODE_MODE)).unwrap();
+    let device = folder.join(format!("sys/devices/{port}/i2c-{number}"));
+    fs::create_dir_all(&device).unwrap();
+    let entry = folder.join(format!("sys/dev/char/{MAJOR}:{number}"));
+    fs::create_dir_all(&entry).unwrap();
+    symlink(&device, entry.join("device")).unwrap();
+}
+
 fn mapped<T: Page>(path: &Path) -> Mapped<T> {
     File::create(path).unwrap();
     let path = CString::new(path.as_os_str().as_bytes()).unwrap();
@@ -377,16 +425,8 @@ impl Drop for Bench {
                 crate::run::signal(*process, nix::sys::signal::SIGKILL);
             }
         }
-        // What a lock of an adapter is called is the program's own business; that it names the folder is enough.
-        let own = self.folder.file_name().unwrap().to_owned();
-        for folder in [Path::new("/run/lock"), &std::env::temp_dir()] {
-            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-                let name = entry.file_name();
-                let text = name.to_string_lossy();
-                if text.starts_with("palpate") && text.contains(&*own.to_string_lossy()) {
-                    let _ = fs::remove_file(entry.path());
-                }
-            }
+        for lock in self.locks() {
+            let _ = fs::remove_file(lock);
         }
         let _ = fs::remove_dir_all(&self.folder);
     }

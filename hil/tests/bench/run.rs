@@ -125,6 +125,11 @@ impl<'a> Run<'a> {
         );
     }
 
+    /// Whether it ends by itself in this time, whatever its guardian does.
+    pub fn ends_within(&self, limit: Duration) -> bool {
+        is_soon(limit, || self.ended().is_some())
+    }
+
     fn texts(&self) -> (String, String) {
         let text = |path: &Path| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();
         (text(&self.out), text(&self.err))

@@ -236,15 +236,21 @@ fn a_file_that_cannot_be_written_is_said_and_not_half_there() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error_and_a_device_stays_a_device() {
-    for args in [&["run", "idle"][..], &["run", "idle", "--json"]] {
+    for args in [
+        &["run", "idle"][..],
+        &["run", "idle", "--json"],
+        &["--help"],
+        &["run", "--help"],
+        &["--version"],
+    ] {
         let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
         let output = command(args, Path::new("/")).stdout(full).output().unwrap();
         let said = Said::from(output);
-        assert_eq!(said.status, Some(3), "{}", said.err);
+        assert_eq!(said.status, Some(3), "{args:?}: {}", said.err);
         assert!(
             said.err
                 .contains("standard output: cannot be written: No space left"),
-            "{}",
+            "{args:?}: {}",
             said.err
         );
     }
@@ -281,6 +287,7 @@ fn a_reader_that_leaves_is_no_error() {
     for args in [
         vec!["run", "idle"],
         vec!["run", "idle", "--json"],
+        vec!["--help"],
         vec![
             "contacts",
             &path,

@@ -1,5 +1,6 @@
 //! `hil unit` and its host as programs: deaths, and what is refused with a sentence.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpStream;
 use std::process::{Command, Stdio};
@@ -39,7 +40,7 @@ fn playing(unit: &Process, address: &str) -> Command {
 
 #[test]
 fn a_host_that_is_killed_leaves_no_output_on_for_longer_than_100_ms() {
-    let mut unit = Process::new();
+    let mut unit = Process::alone(&[]);
     let address = unit.address.to_string();
     let mut run = playing(&unit, &address)
         .stderr(Stdio::null())
@@ -64,8 +65,82 @@ fn a_host_that_is_killed_leaves_no_output_on_for_longer_than_100_ms() {
 }
 
 #[test]
+fn a_host_that_is_killed_is_a_stop_at_every_address_of_its_unit() {
+    let mut unit = Process::alone(&[]);
+    let address = unit.address.to_string();
+    let mut run = playing(&unit, &address)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    unit.wait_for_edges(3);
+    run.kill().unwrap();
+    run.wait().unwrap();
+    let port = unit.address.port();
+    for name in [
+        address.clone(),
+        format!("localhost:{port}"),
+        format!("[::ffff:127.0.0.1]:{port}"),
+    ] {
+        let on = ["--unit", &name, "--key", "unit.key"];
+        let (status, text) = said(&unit, &[&["run", "idle", "--quiet"], &on[..]].concat());
+        let words = "stopped earlier: the run ended without a word";
+        assert!(status == 4 && text.contains(words), "{name}: {text}");
+    }
+    let on = ["--unit", &address, "--key", "unit.key"];
+    assert_eq!(said(&unit, &[&["off", "--unlatch"], &on[..]].concat()).0, 0);
+    assert_eq!(said(&unit, &[&["doctor"], &on[..]].concat()).0, 0);
+}
+
+#[test]
+fn a_host_that_could_keep_no_stop_plays_nothing() {
+    let unit = Process::alone(&[]);
+    let run = playing(&unit, &unit.address.to_string())
+        .env("PALPATE_STATE", "/proc/nope")
+        .output()
+        .unwrap();
+    let text = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("`sudo install -d -m 1777 /proc/nope`"),
+        "{text}"
+    );
+    assert!(seen(&unit.finish()).rising.is_empty());
+}
+
+#[test]
+fn a_reader_that_stops_keeps_no_unit_from_its_turns() {
+    let unit = Process::alone(&[]);
+    unit.narrow();
+    let run = playing(&unit, &unit.address.to_string()).output().unwrap();
+    let text = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(0), "{text}");
+    // Who reads on learns of all of it.
+    let seen = seen(&unit.finish());
+    assert!(seen.rising.len() > 100 && seen.high == 0, "{seen:?}");
+}
+
+#[test]
+fn nothing_is_sealed_twice_with_one_nonce() {
+    let unit = Process::alone(&[]);
+    let silent = Socket::listen("127.0.0.1:0".parse().unwrap()).unwrap();
+    let here = silent.here().unwrap().to_string();
+    let (mut nonces, mut buffer) = (BTreeSet::new(), [0; MOST]);
+    for _ in 0..2 {
+        let mut run = playing(&unit, &here).stderr(Stdio::null()).spawn().unwrap();
+        while run.try_wait().unwrap().is_none() {
+            while let Some((length, _)) = silent.receive(&mut buffer) {
+                let sealed = buffer[..length].starts_with(b"PU");
+                assert!(!sealed || nonces.insert(buffer[4..28].to_vec()));
+            }
+            pause(1);
+        }
+    }
+    assert!(nonces.len() > 2, "it knocked {} times", nonces.len());
+}
+
+#[test]
 fn what_cannot_be_is_refused_with_a_sentence() {
-    let unit = Process::new();
+    let unit = Process::alone(&[]);
     let address = unit.address.to_string();
     let run = |address: &str, key: &str| {
         said(
@@ -133,7 +208,7 @@ fn what_cannot_be_is_refused_with_a_sentence() {
 
 #[test]
 fn sixteen_boards_on_one_address_are_refused_with_a_sentence() {
-    let unit = Process::new();
+    let unit = Process::alone(&[]);
     // Sixteen fingertips whose boards all have the straps of the first: on a bus they would all answer at once.
     let wires: Vec<String> = (0..8)
         .map(|channel| format!("{{ board = 0x40, channel = {channel} }}"))
@@ -172,7 +247,7 @@ fn sixteen_boards_on_one_address_are_refused_with_a_sentence() {
 #[test]
 fn a_unit_that_answers_from_two_addresses_or_in_another_version_is_refused() {
     for version in [false, true] {
-        let unit = Process::new();
+        let unit = Process::alone(&[]);
         let [front, side, back] =
             [(); 3].map(|()| Socket::listen("127.0.0.1:0".parse().unwrap()).unwrap());
         let here = front.here().unwrap().to_string();
@@ -210,7 +285,7 @@ fn a_unit_that_answers_from_two_addresses_or_in_another_version_is_refused() {
 
 #[test]
 fn off_stops_a_unit_under_a_running_host_which_says_so() {
-    let mut unit = Process::new();
+    let mut unit = Process::alone(&[]);
     let address = unit.address.to_string();
     let on = ["--key", "unit.key", "--unit", &address];
     let run = hil(&unit.folder)
@@ -246,7 +321,7 @@ fn off_stops_a_unit_under_a_running_host_which_says_so() {
 
 #[test]
 fn a_stop_in_the_page_over_a_unit_switches_off_and_stays_until_it_is_cleared() {
-    let mut unit = Process::new();
+    let mut unit = Process::alone(&[]);
     let address = unit.address.to_string();
     let mut run = playing(&unit, &address)
         .args(["--serve", "0"])
@@ -304,7 +379,7 @@ material = "metal"
 
 #[test]
 fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
-    let unit = Process::on(&["--bench", "unit-whole"]);
+    let unit = Process::alone(&["--bench", "unit-whole"]);
     let address = unit.address.to_string();
     std::fs::write(unit.folder.0.join("metal.toml"), METAL).unwrap();
     let run = |bench: &str| {
@@ -342,7 +417,7 @@ fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
     let seen = seen(&unit.finish());
     assert_eq!(seen.high, 0, "{seen:?}");
     // One without them is refused where the bench wants them.
-    let plain = Process::new();
+    let plain = Process::alone(&[]);
     let address = plain.address.to_string();
     let on = ["--unit", &address, "--key", "unit.key", "--bench"];
     let refused = |bench: &str| {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use nix::fcntl::{FcntlArg, fcntl};
 use palpate_buses::datagrams::Datagrams as Socket;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{Buffer, MOST};
@@ -187,8 +188,21 @@ impl Process {
 
     /// The same with further arguments.
     pub fn on(more: &[&str]) -> Self {
+        Self::with(&KEY, more)
+    }
+
+    /// The same under a key of its own: to the programs of a computer a unit is its key.
+    pub fn alone(more: &[&str]) -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(1);
+        let mut key = KEY;
+        key[..4].copy_from_slice(&std::process::id().to_le_bytes());
+        key[4..8].copy_from_slice(&COUNT.fetch_add(1, Ordering::Relaxed).to_le_bytes());
+        Self::with(&key, more)
+    }
+
+    fn with(key: &[u8; 32], more: &[&str]) -> Self {
         let folder = Folder::new();
-        write_key(&folder.0.join("unit.key"), &KEY);
+        write_key(&folder.0.join("unit.key"), key);
         let mut command = hil(&folder);
         command.args([
             "unit",
@@ -213,6 +227,12 @@ impl Process {
             socket: Socket::towards(address).unwrap(),
             clock: RunClock::start(),
         }
+    }
+
+    /// From now on its pipe takes little that nobody reads.
+    pub fn narrow(&self) {
+        let size = FcntlArg::F_SETPIPE_SZ(4096);
+        fcntl(self.lines.get_ref(), size).unwrap();
     }
 
     /// Blocks until it has told of so many rising edges.

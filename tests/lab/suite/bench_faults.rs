@@ -8,12 +8,11 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use nix::sys::signal::{Signal, kill};
-use palpate_buses::guardian::Latch;
 use serde_json::Value;
 
 use super::emulator::{Emulator, at};
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh, vcan};
-use super::ward::{Fate, LIMIT_NS, Moments, TooSlow, Ward, fate, now_ns, patiently};
+use super::ward::{Fate, LIMIT_NS, Moments, TooSlow, Ward, fate, now_ns, patiently, unlatch};
 
 const KINDS: [&str; 5] = [
     "i2c-address-nack",
@@ -177,7 +176,7 @@ fn unplug() -> Result<(), TooSlow> {
             };
             assert!(is_known, "{n}: {ended}: {said}");
             assert!(matches!(ward.fate(0), Fate::Off(_)), "{n}: {said}");
-            ward.latch().clear().unwrap();
+            ward.unlatch();
             ends += 1;
             run = ward.run(&press, &[]);
         }
@@ -279,7 +278,7 @@ fn two_adapters() -> Result<(), TooSlow> {
     let press = scene("press.toml");
     vcan("vcan1");
     let mut other = Emulator::start(&["--await-start", "--scene", &press, "--can", "vcan1"]);
-    Latch::of(other.node.as_ref()).clear().unwrap();
+    unlatch(&other.node);
     let mut ward = Ward::open(&press, &[]);
     let bench = std::fs::read_to_string(ward.bench()).unwrap();
     let node = format!("\"{}\"", ward.emulator.node);
@@ -295,8 +294,8 @@ fn two_adapters() -> Result<(), TooSlow> {
     run.end();
     assert!(matches!(ward.fate(0), Fate::Off(_)), "first bus");
     assert!(matches!(fate(&mut other, 0), Fate::Off(_)), "second bus");
-    ward.latch().clear().unwrap();
-    Latch::of(other.node.as_ref()).clear().unwrap();
+    ward.unlatch();
+    unlatch(&other.node);
     let pulses = |record: &Value| {
         let wires = record["wires"].as_array().unwrap();
         wires

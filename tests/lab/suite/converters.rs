@@ -50,6 +50,6 @@ fn a_run_that_is_killed_leaves_no_output_on_and_no_current_set() {
         ward.latch().read().is_some(),
         "a run that was killed is a stop"
     );
-    ward.latch().clear().unwrap();
+    ward.unlatch();
     ward.emulator.stop();
 }

@@ -243,7 +243,7 @@ fn no_death_leaves_an_output_on() {
                 .as_ref()
                 .is_some_and(|h| h.cause.starts_with("late-tick"));
             if stopped.is_some() || !death.lives() && is_late {
-                ward.latch().clear().unwrap();
+                ward.unlatch();
                 void += 1;
                 assert!(
                     void <= count,
@@ -261,7 +261,7 @@ fn no_death_leaves_an_output_on() {
             }
             death.check(&ward, ended.code(), ended.signal(), fate);
             latched += u64::from(held.is_some());
-            ward.latch().clear().unwrap();
+            ward.unlatch();
             check_records(death, &file, [&messages, &pins]);
         }
         // Some blows fall into a burst, and those stop the run.
@@ -302,7 +302,7 @@ fn run_and_guardian_killed_at_once_leave_outputs_on_until_hil_off() {
             break;
         }
         // What the guardian had armed is a stop now that nobody is left.
-        ward.latch().clear().unwrap();
+        ward.unlatch();
     }
     assert!(stayed_on, "twenty blows, none of them within a burst");
     // No software is left. The next one to look finds the chip driving, and says so.

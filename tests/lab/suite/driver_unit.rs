@@ -11,8 +11,7 @@ use serde_json::Value;
 
 use super::emulator::Emulator;
 use super::tools::{hil, in_lab, scene, scratch, sh};
-use super::ward::{Fate, HEARTBEAT_MS, fate, now_ns};
-use palpate_buses::guardian::Latch;
+use super::ward::{Fate, HEARTBEAT_MS, fate, latch_of, now_ns, unlatch};
 
 const ADDRESS: &str = "127.0.0.1:4817";
 /// The guardian's own work on top of its patience.
@@ -76,8 +75,7 @@ fn a_unit_on_an_i2c_node_plays_and_leaves_nothing_on_when_it_is_killed() {
     }
     sh("ip link set lo up");
     let mut emulator = Emulator::start(&[]);
-    let latch = Latch::of(emulator.node.as_ref());
-    latch.clear().unwrap();
+    unlatch(&emulator.node);
     let key = scratch("unit.key").display().to_string();
     let hil = hil().display();
     sh(&format!("rm -f {key}; {hil} unit --new-key {key}"));
@@ -109,7 +107,8 @@ fn a_unit_on_an_i2c_node_plays_and_leaves_nothing_on_when_it_is_killed() {
         !again.wait().unwrap().success(),
         "a host whose unit is gone"
     );
-    assert!(latch.read().is_some(), "a unit that was killed is a stop");
-    latch.clear().unwrap();
+    let stopped = latch_of(&emulator.node).read();
+    assert!(stopped.is_some(), "a unit that was killed is a stop");
+    unlatch(&emulator.node);
     emulator.stop();
 }

@@ -14,7 +14,7 @@ use palpate_core::codec::can::CanFrame;
 
 use super::emulator::Emulator;
 use super::tools::{hil, in_lab, scene, scratch, sh, text, vcan};
-use super::ward::{Fate, TooSlow, Ward, fate, patiently};
+use super::ward::{Fate, TooSlow, Ward, fate, latch_of, patiently, unlatch};
 
 /// Longer than a run goes on with a dead bus, 3 s.
 const GIVEN_UP: Duration = Duration::from_millis(4500);
@@ -60,13 +60,12 @@ impl Hand {
     }
 
     fn latches(&self) -> [Latch; 2] {
-        [&self.ward.emulator.node, &self.thumb.node].map(|node| Latch::of(Path::new(node)))
+        [&self.ward.emulator.node, &self.thumb.node].map(|node| latch_of(node))
     }
 
     fn unlatch(&self) {
-        self.latches()
-            .iter()
-            .for_each(|latch| latch.clear().unwrap());
+        self.ward.unlatch();
+        unlatch(&self.thumb.node);
     }
 
     /// The thumb's board is silent from now on, until a start command.

@@ -16,6 +16,8 @@ use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use palpate_buses::can::Endpoint;
 use palpate_buses::guardian::Latch;
+use palpate_buses::hardware::Hardware;
+use palpate_buses::lock::BusLock;
 use palpate_core::codec::can::CanFrame;
 
 use super::emulator::{Emulator, at};
@@ -91,6 +93,24 @@ pub struct Run {
     pub guardian: Pid,
 }
 
+/// The latch of the adapter of a node.
+pub fn latch_of(node: &str) -> Latch {
+    Latch::of(&Hardware::adapter(Path::new(node)).unwrap())
+}
+
+/// Clears the stop of that adapter, once no guardian holds it any more.
+pub fn unlatch(node: &str) {
+    let hardware = Hardware::adapter(Path::new(node)).unwrap();
+    for _ in 0..1000 {
+        if let Ok(lock) = BusLock::take(&hardware) {
+            Latch::of(&hardware).clear(&lock).unwrap();
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("somebody holds {node}");
+}
+
 impl Ward {
     /// A scene that begins with a start command, on boards that stand still.
     pub fn open(scene_file: &str, options: &[&str]) -> Self {
@@ -111,13 +131,17 @@ impl Ward {
             can,
             said: scratch("said"),
         };
-        this.latch().clear().unwrap();
+        this.unlatch();
         this.stop_boards();
         this
     }
 
     pub fn latch(&self) -> Latch {
-        Latch::of(Path::new(&self.emulator.node))
+        latch_of(&self.emulator.node)
+    }
+
+    pub fn unlatch(&self) {
+        unlatch(&self.emulator.node);
     }
 
     pub fn bench(&self) -> &Path {

@@ -208,11 +208,20 @@ impl Guardian {
         self.send(&[word::BYE]).map_err(|e| e.to_string())?;
         match self.answer(END_MS) {
             Some((word::READY, _)) => {
-                let _ = self.child.wait();
+                self.see_it_end();
                 Ok(())
             }
             Some((_, reason)) => Err(reason),
             None => Err(Lost::Silent.to_string()),
+        }
+    }
+
+    /// Returns when its process is gone. One that still writes to a disk that hangs goes on without this program.
+    fn see_it_end(&mut self) {
+        let mut link = [PollFd::new(self.link.as_fd(), PollFlags::empty())];
+        let closed = poll(&mut link, PollTimeout::from(END_MS)).is_ok_and(|count| count > 0);
+        if closed {
+            let _ = self.child.wait();
         }
     }
 

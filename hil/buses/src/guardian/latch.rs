@@ -1,38 +1,71 @@
-//! The latched stop: a file that outlives every process and says why outputs were switched off, until a
-//! person clears it.
+//! The latched stop: a record that outlives every process and says why outputs were switched off, until a person clears it.
 //!
-//! A guardian arms it before the first pulse: the record is written, and a stop only renames it. So a stop needs no room on
-//! the disk, no memory and no descriptor. A record that is still armed when its guardian is gone is a stop as well: whatever
-//! ended both, nobody saw the outputs off.
+//! It is armed before the first pulse, under the lock of its hardware, and a stop only writes over it. So a stop needs no
+//! room on the disk, no memory and no descriptor. A record that is armed when nobody holds the lock is a stop as well:
+//! whatever ended the run, nobody saw the outputs off. A record is never taken away, it is written as clear: so every user
+//! can clear it, and no user needs a right to the folder of another's.
 
 use std::env;
-use std::ffi::CString;
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
-use std::io;
-use std::os::fd::AsFd;
-use std::os::unix::ffi::OsStrExt;
-use std::os::unix::fs::{FileExt, OpenOptionsExt};
+use std::fs::{self, File, Permissions};
+use std::io::{self, Read};
+use std::os::unix::fs::{FileExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use arrayvec::ArrayString;
 use nix::errno::Errno;
-use nix::fcntl::renameat;
-use nix::libc;
-use nix::unistd::{UnlinkatFlags, unlinkat};
+use nix::unistd::{AccessFlags, access};
 
-/// Bytes of a record: a stop writes over what was written when it was armed, byte for byte.
+use crate::hardware::Hardware;
+use crate::lock::BusLock;
+use crate::shared_file::{create, open, refuse_newer};
+
+/// The version of a record that this code writes.
+const VERSION: u32 = 1;
+/// What its first line says it is.
+const KIND: &str = "palpate-stop";
+/// Bytes of a record: each is written over the last one, byte for byte.
 const RECORD: usize = 1024;
 /// Bytes of a cause in it.
 const CAUSE: usize = 640;
-/// The cause of a record that was armed, and that a person finds where neither run nor guardian wrote another.
-const ABANDONED: &str = "run and guardian ended without a word";
+/// Bytes of what says which hardware it is of.
+const PLACE: usize = 240;
+/// The folder of all users.
+const SYSTEM: &str = "/var/lib/palpate";
+/// Its mode: everybody may add a record there, and take away none of another user.
+const MODE: u32 = 0o1777;
 
-/// Where a bus's latch lies.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What a record says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// No stop.
+    Clear,
+    /// A run is on, or has ended without a word.
+    Armed,
+    /// A stop.
+    Stopped,
+}
+
+impl State {
+    const ALL: [Self; 3] = [Self::Clear, Self::Armed, Self::Stopped];
+
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Clear => "clear",
+            Self::Armed => "armed",
+            Self::Stopped => "stopped",
+        }
+    }
+}
+
+/// The latch of hardware.
+#[derive(Clone, Debug)]
 pub struct Latch {
+    hardware: Hardware,
     file: PathBuf,
+    /// Where a stop counts as well, for one who names another folder.
+    system: Option<PathBuf>,
 }
 
 /// What a latch holds.
@@ -60,192 +93,270 @@ impl Latched {
     }
 }
 
-/// The folder of latches: `PALPATE_STATE`, else `/var/lib/palpate` for root, else the user's state folder.
+/// The folder that `PALPATE_STATE` names, else that of all users.
 fn folder() -> PathBuf {
-    if let Some(folder) = env::var_os("PALPATE_STATE") {
-        return folder.into();
-    }
-    if nix::unistd::geteuid().is_root() {
-        return "/var/lib/palpate".into();
-    }
-    let home = || Some(Path::new(&env::var_os("HOME")?).join(".local/state"));
-    let state = env::var_os("XDG_STATE_HOME")
-        .map(PathBuf::from)
-        .or_else(home);
-    state.unwrap_or_else(env::temp_dir).join("palpate")
+    let named = env::var_os("PALPATE_STATE").map(PathBuf::from);
+    // A folder that depends on where a program is started loses its stops.
+    let named = named.filter(|folder| folder.is_absolute());
+    named.unwrap_or_else(|| SYSTEM.into())
 }
 
-/// A record of a stop, padded to its length; a cause that is too long is cut.
-fn record(cause: &str, at_s: u64, verified: bool) -> [u8; RECORD] {
-    let mut text = ArrayString::<RECORD>::new();
-    text.push_str("cause=");
-    for letter in cause.chars() {
-        let letter = if letter.is_control() { ' ' } else { letter };
-        if text.len() + letter.len_utf8() > CAUSE {
-            break;
-        }
-        text.push(letter);
+/// What a person types so that stops can be kept in a folder.
+fn remedy(folder: &Path) -> String {
+    format!("sudo install -d -m {MODE:o} {}", folder.display())
+}
+
+/// The folder of stops, where this program may write to it or make it.
+///
+/// # Errors
+/// What is wrong with it, and what a person types.
+pub fn stops_folder() -> Result<PathBuf, (String, String)> {
+    let folder = folder();
+    let there = folder.ancestors().find(|folder| folder.exists());
+    let there = there.unwrap_or(Path::new("/"));
+    match access(there, AccessFlags::W_OK | AccessFlags::X_OK) {
+        Ok(()) => Ok(folder),
+        Err(errno) => Err((
+            format!(
+                "{}: a stop could not be kept there: {}",
+                folder.display(),
+                errno.desc()
+            ),
+            remedy(&folder),
+        )),
     }
-    // Sixty bytes at most: there is room.
-    let _ = write!(text, "\nat_s={at_s}\nverified={verified}\n");
-    let mut bytes = [b' '; RECORD];
-    bytes[..text.len()].copy_from_slice(text.as_bytes());
-    bytes[RECORD - 1] = b'\n';
-    bytes
 }
 
 impl Latch {
-    /// The latch of an adapter, by its node's name.
-    pub fn of(bus: &Path) -> Self {
-        Self::within(&folder(), bus)
+    /// The latch of an adapter or a driver unit.
+    pub fn of(hardware: &Hardware) -> Self {
+        Self::within(&folder(), hardware)
     }
 
-    fn within(folder: &Path, bus: &Path) -> Self {
-        let name = bus.display().to_string();
-        let name = name.trim_start_matches('/').replace('/', "-");
+    fn within(folder: &Path, hardware: &Hardware) -> Self {
+        let name = format!("{}.stop", hardware.file());
+        let system = Path::new(SYSTEM);
         Self {
-            file: folder.join(format!("{name}.stop")),
+            hardware: hardware.clone(),
+            file: folder.join(&name),
+            system: (folder != system).then(|| system.join(name)),
         }
     }
 
-    /// Where its record lies while a guardian keeps watch.
-    fn armed(&self) -> PathBuf {
-        self.file.with_extension("armed")
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.file).chain(&self.system)
     }
 
-    /// What it holds; `None` when it is clear. What cannot be read counts as latched.
+    /// What it holds; `None` when it is clear or a run is on. What cannot be read counts as latched.
     pub fn read(&self) -> Option<Latched> {
-        read(&self.file)
+        self.found(false)
     }
 
-    /// The same, and what an earlier guardian left armed: for one that holds the bus's lock, so that no guardian lives.
-    pub fn read_locked(&self) -> Option<Latched> {
-        self.read().or_else(|| read(&self.armed()))
+    /// The same, and what an earlier run left armed: under its hardware's lock no run is on.
+    pub fn read_locked(&self, _lock: &BusLock) -> Option<Latched> {
+        self.found(true)
     }
 
-    /// Prepares a stop: its record is on the disk, everything that latching needs is open.
+    /// As [`Self::read_locked`] where nobody holds the lock, else as [`Self::read`].
+    pub fn look(&self) -> Option<Latched> {
+        match BusLock::take(&self.hardware) {
+            Ok(lock) => self.read_locked(&lock),
+            Err(_) => self.read(),
+        }
+    }
+
+    fn found(&self, armed: bool) -> Option<Latched> {
+        self.files().find_map(|file| {
+            let (state, held) = load(file)?;
+            (armed || state == State::Stopped).then_some(held)
+        })
+    }
+
+    /// Prepares a stop: its record is on the disk and open. `ended` is the cause where nobody writes another.
     ///
     /// # Errors
     /// What the system says, with the folder and what to do.
-    pub fn arm(&self) -> Result<Armed, String> {
+    pub fn arm(&self, _lock: &BusLock, ended: &str) -> Result<Armed, String> {
         let folder = self.file.parent().unwrap_or(Path::new("/"));
-        self.opened(folder).map_err(|error| {
-            let folder = folder.display();
+        self.opened(folder, ended).map_err(|error| {
             format!(
-                "{folder}: a stop of the run could not be kept there: {error}; make it with `install -d {folder}`, or name another folder in PALPATE_STATE"
+                "{}: a stop of the run could not be kept there: {error}; a folder for all users is made with `{}`",
+                folder.display(),
+                remedy(folder)
             )
         })
     }
 
-    fn opened(&self, folder: &Path) -> io::Result<Armed> {
-        fs::create_dir_all(folder)?;
-        let name = |path: &Path| {
-            let name = path.file_name().unwrap_or_default();
-            CString::new(name.as_bytes()).map_err(io::Error::other)
+    fn opened(&self, folder: &Path, ended: &str) -> io::Result<Armed> {
+        make(folder)?;
+        let (record, is_new) = match open(&self.file, true) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => (create(&self.file)?, true),
+            there => (there?, false),
         };
-        let armed = self.armed();
-        let mut options = OpenOptions::new();
-        options.write(true).create(true).truncate(true);
-        let file = options.custom_flags(libc::O_NOFOLLOW).open(&armed)?;
-        file.write_all_at(&record(ABANDONED, now_s(), false), 0)?;
-        file.sync_all()?;
-        let opened = Armed {
-            folder: File::open(folder)?,
-            record: file,
-            armed: name(&armed)?,
-            stop: name(&self.file)?,
+        let armed = Armed {
+            record,
+            place: short(self.hardware.place()),
             first: None,
-            renamed: false,
         };
-        opened.folder.sync_all()?;
-        Ok(opened)
-    }
-
-    /// Latches. A first cause is kept; a later one only says whether boards are off by now.
-    ///
-    /// # Errors
-    /// What the system says.
-    pub fn set(&self, cause: &str, verified: bool) -> io::Result<()> {
-        let first = self.read();
-        let mut armed = self.opened(self.file.parent().unwrap_or(Path::new("/")))?;
-        armed.first = first.map(|held| (short(&held.cause), held.at_s));
-        Ok(armed.latch(cause, verified)?)
+        let mut kept = armed
+            .write(State::Armed, &short(ended), now_s(), false)
+            .and_then(|()| armed.record.sync_all());
+        if is_new {
+            kept = kept.and_then(|()| File::open(folder)?.sync_all());
+        }
+        if kept.is_err() {
+            // Nothing will be driven: what is left of it is no stop.
+            armed.disarm();
+            if is_new {
+                let _ = fs::remove_file(&self.file);
+            }
+        }
+        kept.map(|()| armed)
     }
 
     /// Clears it: a person's decision.
     ///
     /// # Errors
-    /// What the system says.
-    pub fn clear(&self) -> io::Result<()> {
-        for file in [self.armed(), self.file.clone()] {
-            match fs::remove_file(file) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
+    /// What the system says; an error for a record of a newer version.
+    pub fn clear(&self, _lock: &BusLock) -> io::Result<()> {
+        for file in self.files() {
+            let record = match open(file, true) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                there => there?,
+            };
+            refuse_newer(&content(&record)?, KIND, VERSION)?;
+            let cleared = Armed {
+                record,
+                place: short(self.hardware.place()),
+                first: None,
+            };
+            cleared.record.set_len(RECORD as u64)?;
+            cleared.write(State::Clear, &short(""), now_s(), true)?;
+            cleared.record.sync_all()?;
         }
         Ok(())
     }
 }
 
-fn read(file: &Path) -> Option<Latched> {
-    let text = match fs::read_to_string(file) {
-        Ok(text) => text,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
-        Err(error) => format!("cause={} cannot be read: {error}", file.display()),
+/// Makes the folder of stops where it is not there yet, for all users.
+fn make(folder: &Path) -> io::Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    fs::create_dir_all(folder)?;
+    fs::set_permissions(folder, Permissions::from_mode(MODE))
+}
+
+/// What a file holds, up to a byte more than a record has.
+fn content(file: &File) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(RECORD as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What a record says; `None` for one that is clear or not there. What cannot be read is a stop.
+fn load(path: &Path) -> Option<(State, Latched)> {
+    let stop = |cause: String| {
+        let held = Latched {
+            cause: format!("{}: {cause}", path.display()),
+            at_s: 0,
+            verified: false,
+        };
+        (State::Stopped, held)
     };
+    let read = open(path, false).and_then(|file| {
+        let bytes = content(&file)?;
+        refuse_newer(&bytes, KIND, VERSION).map(|()| bytes)
+    });
+    let said = match read {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
+        Err(error) => stop(format!("cannot be read: {error}")),
+        Ok(bytes) => parse(&bytes).unwrap_or_else(|| stop("the record is damaged".into())),
+    };
+    Some(said).filter(|(state, _)| *state != State::Clear)
+}
+
+/// A record of this version that is whole.
+fn parse(bytes: &[u8]) -> Option<(State, Latched)> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let first = format!("{KIND} {VERSION}");
+    if bytes.len() != RECORD || text.lines().next()? != first {
+        return None;
+    }
     let value = |key: &str| {
         let mut lines = text.lines().filter_map(|line| line.split_once('='));
         lines.find(|(name, _)| *name == key).map(|(_, value)| value)
     };
-    Some(Latched {
-        cause: value("cause").unwrap_or("not told").to_owned(),
-        at_s: value("at_s").and_then(|t| t.parse().ok()).unwrap_or(0),
-        verified: value("verified") == Some("true"),
-    })
+    let word = value("state")?;
+    let state = State::ALL.into_iter().find(|state| state.word() == word)?;
+    let held = Latched {
+        cause: value("cause")?.to_owned(),
+        at_s: value("at_s")?.parse().ok()?,
+        verified: value("verified")? == "true",
+    };
+    Some((state, held))
 }
 
-/// A cause, cut to what a record holds.
-fn short(cause: &str) -> ArrayString<CAUSE> {
-    let mut text = ArrayString::new();
-    let whole = |letter: char| text.try_push(letter).is_ok();
-    cause.chars().all(whole);
-    text
+/// A text on one line, cut to so many bytes.
+fn short<const N: usize>(text: &str) -> ArrayString<N> {
+    let mut cut = ArrayString::new();
+    for letter in text.chars() {
+        let letter = if letter.is_control() { ' ' } else { letter };
+        if cut.try_push(letter).is_err() {
+            break;
+        }
+    }
+    cut
 }
 
-/// A stop that only has to be renamed: nothing is allocated or opened any more.
+/// A record that is open: nothing is allocated or opened any more.
 #[derive(Debug)]
 pub struct Armed {
-    folder: File,
     record: File,
-    armed: CString,
-    stop: CString,
+    place: ArrayString<PLACE>,
     /// Cause and time of the stop that is latched.
     first: Option<(ArrayString<CAUSE>, u64)>,
-    renamed: bool,
 }
 
 impl Armed {
     /// Latches the stop. A first cause is kept; a later one only says whether boards are off by now.
     ///
     /// # Errors
-    /// What the system says. Where the record could not be written anew, but renamed, the stop is latched without its cause.
+    /// What the system says. The record stays armed then, which is a stop without its cause.
     pub fn latch(&mut self, cause: &str, verified: bool) -> Result<(), Errno> {
-        let (cause, at_s) = self.first.get_or_insert_with(|| (short(cause), now_s()));
-        let written = self.record.write_all_at(&record(cause, *at_s, verified), 0);
-        let written = written.and_then(|()| self.record.sync_data());
-        if !self.renamed {
-            renameat(&self.folder, &*self.armed, &self.folder, &*self.stop)?;
-            self.renamed = true;
-        }
-        let synced = nix::unistd::fsync(self.folder.as_fd());
-        written.map_err(|error| error.raw_os_error().map_or(Errno::EIO, Errno::from_raw))?;
-        synced
+        let (cause, at_s) = *self.first.get_or_insert_with(|| (short(cause), now_s()));
+        let written = self
+            .write(State::Stopped, &cause, at_s, verified)
+            .and_then(|()| self.record.sync_data());
+        written.map_err(|error| error.raw_os_error().map_or(Errno::EIO, Errno::from_raw))
     }
 
-    /// Takes the record away: the outputs were seen off, and no stop is latched.
+    /// The outputs were seen off: the record says that there is no stop, unless one is latched.
     pub fn disarm(&self) {
-        // What is left armed is found by the next run, which refuses.
-        let _ = unlinkat(&self.folder, &*self.armed, UnlinkatFlags::NoRemoveDir);
+        if self.first.is_none() {
+            // What is left armed is found by the next run, which refuses.
+            let _ = self.write(State::Clear, &short(""), now_s(), true);
+        }
+    }
+
+    fn write(
+        &self,
+        state: State,
+        cause: &ArrayString<CAUSE>,
+        at_s: u64,
+        verified: bool,
+    ) -> io::Result<()> {
+        let mut text = ArrayString::<RECORD>::new();
+        let (word, place) = (state.word(), &self.place);
+        // At most 967 bytes: there is room.
+        let _ = write!(
+            text,
+            "{KIND} {VERSION}\nstate={word}\nat_s={at_s}\nverified={verified}\nhardware={place}\ncause={cause}\n"
+        );
+        let mut bytes = [b' '; RECORD];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        bytes[RECORD - 1] = b'\n';
+        self.record.write_all_at(&bytes, 0)
     }
 }
 

@@ -18,7 +18,7 @@ mod server;
 mod sweep;
 
 pub use client::{Guardian, Lost, StartError};
-pub use latch::{Latch, Latched};
+pub use latch::{Armed, Latch, Latched, stops_folder};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
 

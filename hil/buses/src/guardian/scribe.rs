@@ -134,6 +134,8 @@ pub(super) struct Latcher(Arc<Desk<Stops>>);
 
 #[derive(Debug, Default)]
 struct Stops {
+    /// Records that the thread has not taken yet.
+    records: Vec<Armed>,
     /// The cause, and whether everything is known to be off.
     stop: Option<(Text, bool)>,
     /// The records are to be taken away.
@@ -144,15 +146,18 @@ struct Stops {
 impl Latcher {
     /// # Errors
     /// What the system says where it gives no thread.
-    pub(super) fn start(records: Vec<Armed>, teller: Teller) -> io::Result<Self> {
+    pub(super) fn start(teller: Teller) -> io::Result<Self> {
         let desk = Arc::new(Desk::<Stops>::default());
         let own = Arc::clone(&desk);
         let thread = Builder::new().name("latch".into()).stack_size(STACK);
-        let mut records = records;
         thread.spawn(move || {
             sys::touch_stack::<TOUCHED>();
+            let mut records = Vec::new();
             loop {
                 let mut stops = own.wait(|stops| stops.stop.is_none() && !stops.disarm);
+                if !stops.records.is_empty() {
+                    records = std::mem::take(&mut stops.records);
+                }
                 let (stop, disarm) = (stops.stop.take(), std::mem::take(&mut stops.disarm));
                 stops.busy = true;
                 drop(stops);
@@ -166,6 +171,11 @@ impl Latcher {
             }
         })?;
         Ok(Self(desk))
+    }
+
+    /// Hands over the records that were armed.
+    pub(super) fn hold(&self, records: Vec<Armed>) {
+        self.0.leave(|stops| stops.records = records);
     }
 
     /// Leaves a stop. The first cause counts, also where the disk has not taken it yet.

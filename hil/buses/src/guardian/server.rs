@@ -20,9 +20,9 @@ use signal_hook::consts::SIGTERM;
 
 use super::decide::{Answer, BUSES, Cause, Decider, Event, News, Now, Post, Text};
 use super::hand::{Hand, Why};
-use super::latch::Armed;
 use super::scribe::{Latcher, Teller};
-use super::{Latch, PACKET, Sweeper, Watch, word};
+use super::{Armed, Latch, PACKET, Sweeper, Watch, WatchedBus, word};
+use crate::hardware::Hardware;
 use crate::lock::BusLock;
 use crate::oe::OeLine;
 use crate::pacer::{RunClock, asleep_ns};
@@ -30,6 +30,8 @@ use crate::sys;
 
 /// How long boards may take to answer for the first time.
 const START: Elapsed = Elapsed::from_secs(5);
+/// The cause of a stop for which neither run nor guardian wrote another.
+const ABANDONED: &str = "run and guardian ended without a word";
 /// How long words may take to reach people at the end.
 const WORDS: Elapsed = Elapsed::from_millis(200);
 
@@ -37,7 +39,12 @@ const WORDS: Elapsed = Elapsed::from_millis(200);
 /// standard input. Returns the exit status: 0 after a good-bye, 3 when it cannot guard, 4 after acting.
 pub fn serve(watch: &Watch) -> u8 {
     let stdin = io::stdin();
-    if getsockopt(&stdin, sockopt::SockType) != Ok(SockType::SeqPacket) {
+    let parent = getppid();
+    // Whoever made the socket is the run: a guardian kills no other process, such as the shell in which it is typed.
+    let is_run = getsockopt(&stdin, sockopt::SockType) == Ok(SockType::SeqPacket)
+        && getsockopt(&stdin, sockopt::PeerCredentials)
+            .is_ok_and(|run| run.pid() == parent.as_raw());
+    if !is_run {
         if let Ok(teller) = Teller::start() {
             teller.tell(format_args!("not for people: expected the socket of a run as standard input; `hil run` starts its own guardian"));
             teller.finish(WORDS);
@@ -46,7 +53,6 @@ pub fn serve(watch: &Watch) -> u8 {
     }
     // A session of its own: no terminal's Ctrl-C or hang-up is meant for the guardian.
     let _ = setsid();
-    let parent = getppid();
     match Station::take(watch, parent) {
         Ok((mut station, found)) => {
             say(word::READY, &found);
@@ -83,6 +89,30 @@ fn harden() {
     let _ = sys::set_fifo_priority(60);
 }
 
+/// The locks of all adapters.
+fn locks(watch: &Watch) -> Result<Vec<BusLock>, String> {
+    let lock = |bus: &WatchedBus| {
+        let hardware = Hardware::adapter(&bus.path).map_err(|e| e.to_string())?;
+        BusLock::take(&hardware).map_err(|e| e.to_string())
+    };
+    watch.buses.iter().map(lock).collect()
+}
+
+/// The records of all adapters, or none of them.
+fn arm(locks: &[BusLock]) -> Result<Vec<Armed>, String> {
+    let mut armed = Vec::new();
+    for lock in locks {
+        match Latch::of(lock.hardware()).arm(lock, ABANDONED) {
+            Ok(record) => armed.push(record),
+            Err(reason) => {
+                armed.iter().for_each(Armed::disarm);
+                return Err(reason);
+            }
+        }
+    }
+    Ok(armed)
+}
+
 /// Everything a guardian holds.
 struct Station {
     clock: RunClock,
@@ -112,13 +142,11 @@ impl Station {
         let terminated = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(SIGTERM, Arc::clone(&terminated))
             .map_err(|e| refused(format!("SIGTERM: {e}")))?;
-        let paths = || watch.buses.iter().map(|bus| &bus.path);
-        let locks: Result<Vec<_>, _> = paths().map(|path| BusLock::take(path)).collect();
-        let locks = locks.map_err(|e| refused(e.to_string()))?;
-        // Under the lock: no other guardian is there that could latch.
-        for path in paths() {
-            if let Some(held) = Latch::of(path).read_locked() {
-                return Err((word::LATCHED, held.refusal(&path.display())));
+        let locks = locks(watch).map_err(refused)?;
+        // Under the locks: no other guardian is there that could latch.
+        for lock in &locks {
+            if let Some(held) = Latch::of(lock.hardware()).read_locked(lock) {
+                return Err((word::LATCHED, held.refusal(lock.hardware())));
             }
         }
         let oe = watch
@@ -132,11 +160,11 @@ impl Station {
         if let Some(reason) = wrong.into_iter().next() {
             return Err(refused(reason));
         }
-        let armed: Result<Vec<Armed>, String> = paths().map(|path| Latch::of(path).arm()).collect();
-        let armed = armed.map_err(refused)?;
         let thread = |e: io::Error| refused(format!("no thread for the guardian: {e}"));
         let teller = Teller::start().map_err(thread)?;
-        let latcher = Latcher::start(armed, teller.clone()).map_err(thread)?;
+        let latcher = Latcher::start(teller.clone()).map_err(thread)?;
+        // Last: whatever fails before leaves no record that the next run would take for a stop.
+        latcher.hold(arm(&locks).map_err(refused)?);
         harden();
         let driving = found.iter().filter(|b| b.was_driving());
         let lines: Vec<String> = driving.map(ToString::to_string).collect();

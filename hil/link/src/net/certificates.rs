@@ -98,12 +98,16 @@ fn read(path: &Path) -> Result<String, LabError> {
     fs::read_to_string(path).map_err(file(path))
 }
 
-/// Writes a file that only its owner may read.
+/// Writes a file that only its owner may read, never into one that is there: that may have another mode, and be open elsewhere.
 fn write_secret(path: &Path, text: &str) -> Result<(), LabError> {
     use std::io::Write as _;
     use std::os::unix::fs::OpenOptionsExt as _;
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(file(path)(error)),
+        _ => {}
+    }
     let mut options = fs::OpenOptions::new();
-    options.write(true).create(true).truncate(true).mode(0o600);
+    options.write(true).create_new(true).mode(0o600);
     let mut out = options.open(path).map_err(file(path))?;
     out.write_all(text.as_bytes()).map_err(file(path))
 }

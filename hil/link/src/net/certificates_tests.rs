@@ -46,6 +46,27 @@ fn keys_of_a_lab_are_read_again_and_grow() {
 }
 
 #[test]
+fn a_key_that_is_made_again_is_its_owner_s_whatever_was_there() {
+    use std::io::Read as _;
+    use std::os::unix::fs::PermissionsExt as _;
+    let lab = folder("again");
+    Lab::make(&lab, &[wanted("r1")], Duration::days(30)).unwrap();
+    let key = lab.join("r1").join(KEY);
+    fs::set_permissions(&key, fs::Permissions::from_mode(0o644)).unwrap();
+    let mut open = fs::File::open(&key).unwrap();
+    let old = fs::read_to_string(&key).unwrap();
+    Lab::make(&lab, &[wanted("r1")], Duration::days(30)).unwrap();
+    let mode = fs::metadata(&key).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+    assert_ne!(fs::read_to_string(&key).unwrap(), old);
+    // Who has the old file open reads the old key.
+    let mut seen = String::new();
+    open.read_to_string(&mut seen).unwrap();
+    assert_eq!(seen, old);
+    fs::remove_dir_all(&lab).unwrap();
+}
+
+#[test]
 fn expired_and_foreign_certificates_are_told() {
     let (lab, other) = (folder("own"), folder("other"));
     Lab::make(&lab, &[wanted("r1")], Duration::days(-1)).unwrap();

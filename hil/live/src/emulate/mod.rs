@@ -68,6 +68,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
             "/dev/uhid: {e}; the I2C node needs root and `modprobe -a uhid hid-mcp2221 i2c-dev`"
         ))
     })?;
+    let teller = Teller::new(options.telling)?;
     let epoch = monotonic_ns();
     if options.oe {
         hardware.display.set_output_enable(Nanos::ZERO, true);
@@ -94,7 +95,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         epoch,
         node: None,
         record,
-        teller: Teller::new(options.telling),
+        teller,
     }
     .run()
 }
@@ -346,7 +347,6 @@ impl Server<'_> {
         record.transfers = self.hardware.display.transfers().1;
         record.flowed = self.hardware.display.flowed();
         record.driving = (self.driving.iter().filter(|c| c.1).map(|c| c.0)).collect();
-        self.teller.tell(&Told::Record(&self.record))?;
-        self.teller.flush()
+        self.teller.finish(&Told::Record(&self.record))
     }
 }

@@ -58,7 +58,8 @@ pub fn make(path: &Path) -> Result<(), Failure> {
 /// Reads a key file.
 ///
 /// # Errors
-/// [`Failure::Input`] for a file that other users may read, or that holds no key.
+/// [`Failure::Input`] for a file that other users may read, or that holds no key: zeros are what memory holds that nobody
+/// has written.
 pub fn read(path: &Path) -> Result<[u8; LENGTH], Failure> {
     let file = palpate_files::open(path, "a key (`hil unit --new-key FILE` makes one)")?;
     let mode = file
@@ -81,11 +82,11 @@ pub fn read(path: &Path) -> Result<[u8; LENGTH], Failure> {
     let most = 2 * LENGTH as u64 + 3;
     let read = file.take(most).read_to_string(&mut text);
     parse(text.trim_end())
-        .filter(|_| read.is_ok())
+        .filter(|key| read.is_ok() && *key != [0; LENGTH])
         .ok_or_else(|| {
             failed(
                 path,
-                "expected a key, 64 hexadecimal digits; `hil unit --new-key FILE` makes one",
+                "expected a key, 64 hexadecimal digits that are not all zero; `hil unit --new-key FILE` makes one",
             )
         })
 }

@@ -32,6 +32,7 @@ fn a_key_is_read_as_it_was_made_and_only_if_no_one_else_can_read_it() {
         &format!("{text}00"),
         &text.replace(&text[..1], "g"),
         &"é".repeat(32),
+        &"0".repeat(64),
     ] {
         fs::write(&path, bad).unwrap();
         let said = read(&path).unwrap_err().to_string();

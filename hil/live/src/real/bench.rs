@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use palpate_buses::can::{CanBuses, Note, Tally};
 use palpate_buses::guardian::{Guardian, Latch, StartError, Watch, WatchedBus};
+use palpate_buses::hardware::Hardware;
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::{CanBus, Received};
@@ -78,9 +79,13 @@ pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Guard`] with what stopped it and how that is cleared.
 pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
-    for path in watch.buses.iter().map(|bus| &bus.path) {
-        if let Some(held) = Latch::of(path).read() {
-            return Err(Failure::Guard(held.refusal(&path.display())));
+    for bus in &watch.buses {
+        // Of an adapter that is not there, opening it says more.
+        let Ok(hardware) = Hardware::adapter(&bus.path) else {
+            continue;
+        };
+        if let Some(held) = Latch::of(&hardware).read() {
+            return Err(Failure::Guard(held.refusal(&hardware)));
         }
     }
     Ok(())

@@ -1,5 +1,7 @@
 //! The display end of a run whose boards hang on a driver unit: the unit guards them, so there is no guardian here.
 
+use palpate_buses::guardian::{Armed, Latch};
+use palpate_buses::lock::BusLock;
 use palpate_core::driver::Driver;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
@@ -12,49 +14,68 @@ use super::ends::Watched;
 use crate::link::RemoteUnit;
 use crate::output::note;
 
-/// A unit with which a session has begun, and what the host does about its Peltier module.
-pub struct LinkEnd(RemoteUnit, Option<RemoteHeat>);
+/// The cause of a stop for which this program wrote no other.
+const ABANDONED: &str = "the run ended without a word";
+
+/// A unit with which a session has begun.
+pub struct LinkEnd {
+    unit: RemoteUnit,
+    /// What the host does about its Peltier module.
+    heat: Option<RemoteHeat>,
+    lock: BusLock,
+    /// The record of a stop, from when outputs may start.
+    armed: Option<Armed>,
+}
 
 impl LinkEnd {
-    /// A unit, and its module where the bench has one.
-    pub(super) const fn new(unit: RemoteUnit, heat: Option<RemoteHeat>) -> Self {
-        Self(unit, heat)
+    /// A unit and its lock on this computer, and its module where the bench has one.
+    pub(super) const fn new(unit: RemoteUnit, heat: Option<RemoteHeat>, lock: BusLock) -> Self {
+        Self {
+            unit,
+            heat,
+            lock,
+            armed: None,
+        }
     }
 
     /// Keeps a stop on this computer too, until a person has looked.
-    fn latch(&self, cause: &str) -> String {
-        let place = self.0.place();
-        // The unit keeps it in any case.
-        if let Err(e) = place.latch().set(cause, true) {
+    fn latch(&mut self, cause: &str) -> String {
+        let name = &self.unit.place().name;
+        let kept = self.armed.as_mut().map_or(Ok(()), |r| r.latch(cause, true));
+        // The unit keeps it in any case, and what was armed is a stop here.
+        if let Err(e) = kept {
             note(&format!(
-                "unit {}: the stop is not kept here: {e}",
-                place.name
+                "unit {name}: the cause of the stop is not kept here: {e}"
             ));
         }
         format!(
-            "{cause}. Look at the wearer, then clear the stop: hil off --unlatch --unit {} --key FILE",
-            place.name
+            "{cause}. Look at the wearer, then clear the stop: hil off --unlatch --unit {name} --key FILE"
         )
+    }
+
+    /// The run is over, and no stop unless one was latched.
+    fn disarm(&self) {
+        self.armed.iter().for_each(Armed::disarm);
     }
 }
 
 impl DisplayEnd for LinkEnd {
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
-        (&mut self.0, &NoLine)
+        (&mut self.unit, &NoLine)
     }
 
     fn before_call(&mut self, now: Instant, projector: &mut Projector, events: &mut Vec<Event>) {
-        if let Some(heat) = &mut self.1 {
-            heat.turn(now, self.0.driver(), projector, events);
+        if let Some(heat) = &mut self.heat {
+            heat.turn(now, self.unit.driver(), projector, events);
         }
     }
 
     fn after_call(&mut self, _now: Instant, heard: Option<Instant>) {
-        self.0.tell(heard);
+        self.unit.tell(heard);
     }
 
     fn advance_to(&mut self, _now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {
-        self.0.hear(events);
+        self.unit.hear(events);
         Ok(())
     }
 
@@ -64,22 +85,30 @@ impl DisplayEnd for LinkEnd {
 }
 
 impl Watched for LinkEnd {
-    /// A busy machine takes longer to prepare its loop than a session lasts unheard.
+    /// A busy machine takes longer to prepare its loop than a session lasts unheard. From here on an end without a word is a
+    /// stop.
     fn meet(&mut self) -> Result<(), Failure> {
-        self.0.connect().map(drop)
+        let latch = Latch::of(self.lock.hardware());
+        let armed = latch.arm(&self.lock, ABANDONED).map_err(Failure::Device)?;
+        self.armed = Some(armed);
+        self.unit.connect().map(drop).inspect_err(|_| self.disarm())
     }
 
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
-        self.0.check(now).map_err(|failure| match failure {
+        self.unit.check(now).map_err(|failure| match failure {
             Failure::Guard(cause) => Failure::Guard(self.latch(&cause)),
             other => other,
         })
     }
 
-    fn abandon(&mut self, _cause: &str) {}
+    fn abandon(&mut self, _cause: &str) {
+        self.disarm();
+    }
 
     fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String> {
-        match off.and_then(|()| self.0.end()) {
+        let parted = off.and_then(|()| self.unit.end());
+        self.disarm();
+        match parted {
             // The first failure is the one to tell; the unit has switched off by itself.
             Err(_) if failed => Ok(()),
             parted => parted,
@@ -87,10 +116,10 @@ impl Watched for LinkEnd {
     }
 
     fn unit(&self) -> Option<UnitReport> {
-        self.0.report()
+        self.unit.report()
     }
 
     fn heat(&self) -> Option<HeatReport> {
-        self.1.as_ref().map(RemoteHeat::report)
+        self.heat.as_ref().map(RemoteHeat::report)
     }
 }

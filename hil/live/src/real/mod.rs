@@ -16,6 +16,8 @@ pub use ends::lost;
 pub use ends::{RealSkin, Sensed, Watched, begin, leave};
 pub use link::LinkEnd;
 
+use palpate_buses::guardian::{Latch, Latched};
+use palpate_buses::lock::BusLock;
 use palpate_buses::pacer::{Lateness, RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
@@ -163,14 +165,17 @@ pub fn met(setup: &Setup, place: &UnitPlace) -> Result<(Setup, Vec<String>), Fai
     Ok((setup, notes))
 }
 
-/// A session with the driver unit of a setup that was [`met`].
+/// A session with the driver unit of a setup that was [`met`], for as long as it lives the only one of this computer.
 ///
 /// # Errors
-/// [`Failure::Device`] with why there is none.
+/// [`Failure::Device`] with why there is none, [`Failure::Guard`] while a stop is kept.
 pub fn open_unit(setup: &Setup, place: &UnitPlace, clock: RunClock) -> Result<LinkEnd, Failure> {
     let mut unit = RemoteUnit::open(place, delay_ms(setup), clock)?;
     unit.connect()?;
-    Ok(LinkEnd::new(unit, RemoteHeat::of(setup)))
+    let hardware = place.hardware();
+    let lock = BusLock::take(&hardware).map_err(|e| Failure::Device(e.to_string()))?;
+    refuse_stop(place, Latch::of(&hardware).read_locked(&lock))?;
+    Ok(LinkEnd::new(unit, RemoteHeat::of(setup), lock))
 }
 
 /// From an onset to its effect on a bench's driver unit.
@@ -228,9 +233,14 @@ fn on_unit(
     }
 }
 
-/// Refuses a unit while a stop of a run on it is kept.
+/// Refuses a unit while a stop of a run on it is kept, before it hears of this one.
 fn refuse_stopped_unit(place: &UnitPlace) -> Result<(), Failure> {
-    match place.latch().read() {
+    refuse_stop(place, Latch::of(&place.hardware()).look())
+}
+
+/// Refuses a unit of which this stop is kept.
+fn refuse_stop(place: &UnitPlace, held: Option<Latched>) -> Result<(), Failure> {
+    match held {
         None => Ok(()),
         Some(held) => Err(Failure::Guard(format!(
             "unit {}: stopped earlier: {}. Look at the wearer, then clear the stop with `hil off --unlatch --unit {} --key FILE`",

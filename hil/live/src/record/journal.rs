@@ -2,10 +2,13 @@
 //! its way to the disk. A thread of its own does it, behind a queue of fixed length: a slow disk delays no loop
 //! and costs frames, which are counted.
 
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use palpate_core::bus::Received;
 use palpate_records::readings::TaxelFrame;
@@ -21,12 +24,18 @@ const QUEUE: usize = 1 << 10;
 const WAITING: usize = 1 << 16;
 /// Scans of all taxels that do, 2 kB each of a full hand: five seconds of it.
 const SCANS_WAITING: usize = 1 << 9;
+/// A reader that takes nothing for so long at the end reads no more.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Files that grow on a thread of their own.
 #[derive(Debug)]
 pub struct Journal {
     pieces: Option<SyncSender<Piece>>,
     thread: Option<JoinHandle<Result<(), Failure>>>,
+    /// A word for each piece that is written; closed once the thread has ended.
+    written: Receiver<()>,
+    /// A file that has to be read by somebody.
+    stream: Option<PathBuf>,
     failed: Arc<AtomicBool>,
     /// How many of the recorder's events have been handed over.
     told: usize,
@@ -42,12 +51,15 @@ impl Journal {
     /// [`Failure::Device`] when the system gives no thread.
     pub fn start(mut files: Vec<Sink>, tells: bool) -> Result<Self, Failure> {
         let (pieces, orders) = sync_channel(QUEUE);
+        // Who does not wait for a word needs none.
+        let (writes, written) = sync_channel(1);
+        let stream = files.iter().find_map(Sink::stream).map(Path::to_owned);
         let failed = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&failed);
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || {
-                let result = keep(&mut files, &orders, tells);
+                let result = keep(&mut files, &orders, &writes, tells);
                 let result = result.and_then(|()| files.into_iter().try_for_each(Sink::finish));
                 flag.store(result.is_err(), Ordering::Relaxed);
                 result
@@ -56,6 +68,8 @@ impl Journal {
         Ok(Self {
             pieces: Some(pieces),
             thread: Some(thread),
+            written,
+            stream,
             failed,
             told: 0,
             waiting: Piece::default(),
@@ -105,14 +119,33 @@ impl Journal {
         self.dropped
     }
 
-    /// Waits until everything is written.
+    /// Waits until everything is written. A pipe that nobody reads is waited for no longer than five seconds.
     ///
     /// # Errors
     /// [`Failure::Write`] with the file and what the system said.
     pub fn finish(mut self) -> Result<(), Failure> {
-        if let Some(pieces) = self.pieces.take() {
-            // A thread that has ended tells why below.
-            let _ = pieces.send(std::mem::take(&mut self.waiting));
+        let mut last = self
+            .pieces
+            .take()
+            .map(|pieces| (pieces, std::mem::take(&mut self.waiting)));
+        loop {
+            if let Some((pieces, piece)) = last.take() {
+                last = match pieces.try_send(piece) {
+                    Err(TrySendError::Full(piece)) => Some((pieces, piece)),
+                    // A thread that has ended tells why below.
+                    Ok(()) | Err(TrySendError::Disconnected(_)) => None,
+                };
+            }
+            match (self.written.recv_timeout(PATIENCE), &self.stream) {
+                (Err(RecvTimeoutError::Disconnected), _) => break,
+                (Err(RecvTimeoutError::Timeout), Some(path)) => {
+                    let unread = format!("nobody has read it for {} s", PATIENCE.as_secs());
+                    let unread = io::Error::new(io::ErrorKind::TimedOut, unread);
+                    return Err(Failure::written(path)(unread));
+                }
+                // A disk takes its time.
+                _ => {}
+            }
         }
         let joined = self.thread.take().map(JoinHandle::join);
         match joined {
@@ -132,12 +165,18 @@ fn fill<T>(waiting: &mut Vec<T>, new: &mut Vec<T>, most: usize) -> u64 {
 }
 
 /// Writes pieces until there are no more.
-fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, tells: bool) -> Result<(), Failure> {
+fn keep(
+    files: &mut [Sink],
+    pieces: &Receiver<Piece>,
+    writes: &SyncSender<()>,
+    tells: bool,
+) -> Result<(), Failure> {
     while let Ok(piece) = pieces.recv() {
         for told in event::each::<event::Note>(&piece.events).filter(|_| tells) {
             note(&format!("{:.3} s: {}", told.t_us as f64 * 1e-6, told.text));
         }
         files.iter_mut().try_for_each(|file| file.piece(&piece))?;
+        let _ = writes.try_send(());
     }
     Ok(())
 }

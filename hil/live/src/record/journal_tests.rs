@@ -1,6 +1,6 @@
 //! Tests of `journal.rs`.
 
-use std::path::PathBuf;
+use std::os::fd::AsRawFd;
 
 use palpate_records::mcap::{self, BusTraffic, write_mcap};
 use palpate_records::readings::Readings;
@@ -15,6 +15,15 @@ use crate::output::Outputs;
 use crate::record::sink::About;
 use palpate_files::{Format, Setup};
 use palpate_run::{Input, Keep, KeptReadings, run_with};
+
+/// A frame.
+fn frame() -> Received {
+    Received {
+        at: Instant::ZERO,
+        bus: 0,
+        frame: CanFrame::new(1, &[]).unwrap(),
+    }
+}
 
 /// A run of an emulated bench; its pieces could have come from a real one.
 fn run() -> (Trace, Vec<Received>, Readings) {
@@ -139,15 +148,12 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
     let mut journal = Journal {
         pieces: Some(pieces),
         thread: None,
+        written: sync_channel(1).1,
+        stream: None,
         failed: Arc::default(),
         told: 0,
         waiting: Piece::default(),
         dropped: 0,
-    };
-    let frame = Received {
-        at: Instant::ZERO,
-        bus: 0,
-        frame: CanFrame::new(1, &[]).unwrap(),
     };
     let note = Event::Note(event::Note {
         t_us: 0,
@@ -155,11 +161,28 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
     });
     let events = vec![note; 100];
     for turn in 0..100 {
-        journal.tell(&events[..=turn], vec![frame; 1000], vec![]);
+        journal.tell(&events[..=turn], vec![frame(); 1000], vec![]);
     }
     let held = 2 * 1000 + WAITING as u64;
     assert_eq!(journal.dropped(), 100_000 - held);
     let mut kept: usize = stuck.try_iter().map(|p| p.events.len()).sum();
     kept += journal.waiting.events.len();
     assert_eq!(kept, 100, "events are never left out");
+}
+
+#[test]
+fn a_pipe_that_nobody_reads_is_given_up_at_the_end() {
+    let (reader, writer) = std::io::pipe().unwrap();
+    let path = PathBuf::from(format!("/proc/self/fd/{}", writer.as_raw_fd()));
+    let names = ["test0".to_owned()];
+    let files = [(Format::Candump, path)];
+    let sinks = Sink::create_all(&files, &About::Buses(&names), Outputs::default()).unwrap();
+    let mut journal = Journal::start(sinks, false).unwrap();
+    for _ in 0..10 {
+        journal.tell(&[], vec![frame(); 1000], vec![]);
+    }
+    let said = journal.finish().unwrap_err();
+    assert_eq!(said.status(), 3);
+    assert!(said.to_string().contains("nobody has read it"), "{said}");
+    drop(reader);
 }

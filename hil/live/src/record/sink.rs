@@ -12,7 +12,7 @@ use palpate_records::trace::{DisplayInfo, Header};
 use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
 
-use crate::output::{Outputs, Unfinished, write_sidecar};
+use crate::output::{Outputs, Unfinished, is_ordinary, write_sidecar};
 use crate::recording::write_can_log;
 use palpate_run::{Failure, Piece};
 
@@ -179,6 +179,11 @@ impl Sink {
             now_us: 0,
             flushed_us: 0,
         })
+    }
+
+    /// Where it goes, if that takes something only when somebody reads it: a pipe, a socket, a terminal.
+    pub fn stream(&self) -> Option<&Path> {
+        (!is_ordinary(&self.path)).then_some(&self.path)
     }
 
     /// Appends a piece.

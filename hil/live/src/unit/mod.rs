@@ -99,7 +99,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     let listening = device(options.listen.to_string());
     let socket = Socket::listen(options.listen).map_err(&listening)?;
     let here = socket.here().map_err(&listening)?;
-    let mut teller = Teller::new(options.telling);
+    let mut teller = Teller::new(options.telling)?;
     let epoch_ns = monotonic_ns();
     let served = |source, i2c| Told::Serving {
         t_ns: monotonic_ns(),
@@ -223,11 +223,10 @@ impl Process {
         self.record.served_s = t_ns.saturating_sub(self.epoch_ns) as f64 / 1e9;
         self.record.off = off == Ok(true);
         self.record.emulated = boards.flowed();
-        teller.tell(&Told::Record(&self.record))?;
-        teller.flush()?;
+        let told = teller.finish(&Told::Record(&self.record));
         turned.and(last)?;
         match off {
-            Ok(true) => Ok(()),
+            Ok(true) => told,
             Ok(false) => Err(Failure::Device(
                 "not every output is known to be off".into(),
             )),

@@ -17,7 +17,7 @@ macro_rules! burnt_key {
 /// The 32 bytes that 64 hexadecimal digits stand for, when the image is compiled.
 ///
 /// # Panics
-/// On any other text. As a constant that stops the compiler, not a unit.
+/// On any other text, and on zeros. As a constant that stops the compiler, not a unit.
 pub const fn key(text: &str) -> [u8; 32] {
     let text = text.as_bytes();
     assert!(
@@ -25,11 +25,13 @@ pub const fn key(text: &str) -> [u8; 32] {
         "PALPATE_UNIT_KEY: expected 64 hexadecimal digits and nothing else"
     );
     let mut bytes = [0; 32];
-    let mut at = 0;
+    let (mut at, mut bits) = (0, 0);
     while at < 32 {
         bytes[at] = digit(text[2 * at]) << 4 | digit(text[2 * at + 1]);
+        bits |= bytes[at];
         at += 1;
     }
+    assert!(bits != 0, "PALPATE_UNIT_KEY: expected a key, found zeros");
     bytes
 }
 
@@ -77,6 +79,12 @@ mod tests {
     #[should_panic = "64 hexadecimal digits"]
     fn a_short_key_is_refused() {
         key("00ff");
+    }
+
+    #[test]
+    #[should_panic = "found zeros"]
+    fn a_key_of_zeros_is_refused() {
+        key("0000000000000000000000000000000000000000000000000000000000000000");
     }
 
     #[test]
