@@ -4,7 +4,6 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_core::guard::Earlier;
 use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
 use palpate_records::digest::short_digest;
 use palpate_records::table::as_csv;
@@ -60,7 +59,7 @@ fn prepared(args: &StudyRunArgs) -> Result<(Stimuli, Session, Dose), Failure> {
     }
     let session = Session::new(protocol.value.clone(), args.participant, on.seed);
     let stimuli = Stimuli::new(protocol, bench)?;
-    let dose = planned(&stimuli, &session, &Earlier::default())?;
+    let dose = planned(&stimuli, &session)?;
     Ok((stimuli, session, dose))
 }
 
@@ -194,10 +193,7 @@ fn resume(
     let resumed = record.resumed(protocol);
     *session = resumed.map_err(|e| Failure::Input(format!("--resume: {e}")))?;
     let played = record.replies().filter_map(|said| said.trial.as_ref());
-    for interval in played.flat_map(|played| &played.intervals) {
-        player.remember(interval);
-    }
-    Ok(())
+    player.remember(played.flat_map(|played| &played.intervals))
 }
 
 /// What a folder's records say.

@@ -1,7 +1,7 @@
 //! Plays what a trial plays, and remembers what the wearer had.
 
 use palpate_core::contact::Levels;
-use palpate_core::guard::{Booked, Earlier, Used};
+use palpate_core::guard::{Booked, Guard, Memory, Used};
 use palpate_core::schedule::Entry;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
@@ -25,7 +25,10 @@ const STEP_S: f64 = 0.02;
 pub struct Player {
     stimuli: Stimuli,
     seed: u64,
-    earlier: Earlier,
+    /// Heat and dose as of [`Self::until`]; `None` where nothing was played.
+    memory: Option<Memory>,
+    /// When what was played is over, in the time of the session.
+    until: Instant,
     /// The pages that look on; where there are none, virtual time is not held to the wall clock.
     desk: Option<Desk>,
 }
@@ -45,9 +48,7 @@ pub enum Went {
 }
 
 /// The bursts of a run, as its guard booked them, with their wires.
-fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
-    let projector = build(setup, 1, Levels::Off)?;
-    let guard = projector.guard();
+fn bursts(guard: &Guard, trace: &Trace) -> Vec<(u16, Booked)> {
     let entries = trace.each().filter(|entry: &&Entry| entry.off > entry.on);
     let mut bursts = Vec::new();
     for (wire, own) in (0..).zip(&trace.header.wires) {
@@ -56,7 +57,7 @@ fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
             .filter(|entry| (entry.board.0, entry.channel.0) == (own.board, own.channel));
         bursts.extend(guard.booked(of_wire).map(|booked| (wire, booked)));
     }
-    Ok(bursts)
+    bursts
 }
 
 /// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.
@@ -90,10 +91,8 @@ impl Player {
         Self {
             stimuli,
             seed,
-            earlier: Earlier {
-                bursts: Vec::new(),
-                until: Instant::ZERO,
-            },
+            memory: None,
+            until: Instant::ZERO,
             desk,
         }
     }
@@ -104,12 +103,18 @@ impl Player {
         &self.stimuli
     }
 
-    /// Takes over what was played at a time of the session before the program was begun again.
-    pub fn remember(&mut self, interval: &Interval) {
-        let bursts = interval
-            .bursts
-            .iter()
-            .map(|[wire, on_us, off_us, energy_nj]| {
+    /// Takes over what was played in the session before the program was begun again.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that has no guard.
+    pub fn remember<'a>(
+        &mut self,
+        intervals: impl Iterator<Item = &'a Interval>,
+    ) -> Result<(), Failure> {
+        let mut guard = self.stimuli.guard()?;
+        for interval in intervals {
+            let bursts = interval.bursts.iter();
+            let bursts = bursts.map(|[wire, on_us, off_us, energy_nj]| {
                 let booked = Booked {
                     on: Instant::from_micros(*on_us),
                     off: Instant::from_micros(*off_us),
@@ -117,8 +122,18 @@ impl Player {
                 };
                 (u16::try_from(*wire).unwrap_or(u16::MAX), booked)
             });
-        let began = Instant::from_micros(interval.began_ms.saturating_mul(1000));
-        self.earlier.extend(began, bursts);
+            let began = Instant::from_micros(interval.began_ms.saturating_mul(1000));
+            let over = guard.repeat(began, &bursts.collect::<Vec<_>>());
+            self.until = self.until.max(over);
+        }
+        self.memory = Some(guard.memory(self.until));
+        Ok(())
+    }
+
+    /// Heat and dose as of a time of the session.
+    fn memory(&self, at: Instant) -> Option<Memory> {
+        let elapsed = Some(at.since(self.until));
+        self.memory.as_ref().map(|memory| memory.after(elapsed))
     }
 
     /// Plays a stimulus at a time of the session, ms. Returns what was played of it, and how it went.
@@ -127,9 +142,9 @@ impl Player {
     /// [`Failure`] of a bench that cannot play it.
     pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
         let mut setup = self.stimuli.setup(stimulus)?;
-        let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until);
-        self.earlier.until = began;
-        setup.earlier = self.earlier.clone();
+        let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.until);
+        setup.memory = self.memory(began);
+        (self.memory, self.until) = (setup.memory.clone(), began);
         let wanted = Wanted {
             desk: self.desk.as_ref(),
             quiet: true,
@@ -143,7 +158,8 @@ impl Player {
             return Err(Failure::Check(conclusion.line()));
         }
         let trace = &outcome.trace;
-        let bursts = bursts(&setup, trace)?;
+        let mut guard = build(&setup, 1, Levels::Off)?.guard().clone();
+        let bursts = bursts(&guard, trace);
         let interval = Interval {
             stimulus: Some(stimulus.clone()),
             began_ms: began.as_micros() / 1000,
@@ -151,8 +167,9 @@ impl Player {
             path: path(&setup, &trace.events),
             bursts: bursts.iter().map(of_record).collect(),
         };
-        self.earlier.extend(began, bursts);
-        self.earlier.until += Duration::from_micros(length_us(trace));
+        let over = guard.repeat(Instant::ZERO, &bursts) + Duration::from_micros(length_us(trace));
+        self.memory = Some(guard.memory(over));
+        self.until = began + over.since(Instant::ZERO);
         let went = match outcome.failure {
             Some(Failure::Guard(text)) if self.is_stopped() => Went::Latched(off, text),
             Some(failure) => return Err(failure),
@@ -169,7 +186,7 @@ impl Player {
     /// The session's time, ms, at which what was played is over.
     #[must_use]
     pub const fn until_ms(&self) -> u64 {
-        self.earlier.until.as_micros() / 1000
+        self.until.as_micros() / 1000
     }
 
     /// The share of each limit that is used at a time of the session, ms.
@@ -177,9 +194,8 @@ impl Player {
     /// # Errors
     /// [`Failure`] of a bench that has no guard.
     pub fn used(&self, now_ms: u64) -> Result<Used, Failure> {
-        let mut earlier = self.earlier.clone();
-        earlier.until = earlier.until.max(Instant::from_micros(now_ms * 1000));
-        let setup = self.stimuli.emulated(&Stimulus::Silence, earlier)?;
+        let mut setup = self.stimuli.emulated(&Stimulus::Silence)?;
+        setup.memory = self.memory(Instant::from_micros(now_ms.saturating_mul(1000)));
         let projector = build(&setup, 1, Levels::Off)?;
         Ok(projector.guard().used(Instant::ZERO))
     }
@@ -223,11 +239,12 @@ pub(super) fn rehearsed(
     stimulus: &Stimulus,
     seed: u64,
 ) -> Result<Rehearsed, Failure> {
-    let setup = stimuli.emulated(stimulus, Earlier::default())?;
+    let setup = stimuli.emulated(stimulus)?;
     let outcome = run_with(&setup, &Input::Scene, seed, Keep::default(), &mut ())?;
     let trace = &outcome.trace;
+    let projector = build(&setup, 1, Levels::Off)?;
     Ok(Rehearsed {
-        bursts: bursts(&setup, trace)?,
+        bursts: bursts(projector.guard(), trace),
         length: Duration::from_micros(length_us(trace)),
         path: path(&setup, &trace.events),
     })
