@@ -65,6 +65,13 @@ impl Spent {
     }
 }
 
+/// A wire that was never driven.
+impl Default for WireMemory {
+    fn default() -> Self {
+        Tissue::new().memory(Instant::ZERO, Spent::default())
+    }
+}
+
 impl WireMemory {
     /// The same once so much time has passed without heat. Where that is unknown nothing has cooled.
     #[must_use]

@@ -17,7 +17,7 @@ pub(super) struct Bucket {
 }
 
 /// What was spent of what may be spent at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
     /// Energy, picojoules; more than there is counts as all of it.
     pub pj: u64,

@@ -2,8 +2,10 @@
 
 pub mod can;
 pub mod datagrams;
+mod desk;
 pub mod guardian;
 pub mod i2c;
+pub mod ledger;
 pub mod lock;
 pub mod oe;
 pub mod pacer;

@@ -64,7 +64,8 @@ pub(crate) fn realtime_ns() -> i64 {
     nanoseconds(ClockId::CLOCK_REALTIME)
 }
 
-fn nanoseconds(clock: ClockId) -> i64 {
+/// A clock in nanoseconds.
+pub(crate) fn nanoseconds(clock: ClockId) -> i64 {
     // Both clocks exist on every Linux; zero would be a clock that stands still, which the loop reports.
     clock_gettime(clock).map_or(0, |t| t.tv_sec() * 1_000_000_000 + t.tv_nsec())
 }

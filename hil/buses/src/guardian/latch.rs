@@ -60,8 +60,8 @@ impl Latched {
     }
 }
 
-/// The folder of latches: `PALPATE_STATE`, else `/var/lib/palpate` for root, else the user's state folder.
-fn folder() -> PathBuf {
+/// The folder of what outlives every process: `PALPATE_STATE`, else `/var/lib/palpate` for root, else the user's state folder.
+pub fn folder() -> PathBuf {
     if let Some(folder) = env::var_os("PALPATE_STATE") {
         return folder.into();
     }

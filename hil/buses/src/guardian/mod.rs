@@ -18,6 +18,7 @@ mod server;
 mod sweep;
 
 pub use client::{Guardian, Lost, StartError};
+pub(crate) use latch::folder as state_folder;
 pub use latch::{Latch, Latched};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
