@@ -19,6 +19,8 @@ mod feed;
 mod guardian_faults;
 #[path = "bench/lacks.rs"]
 mod lacks;
+#[path = "bench/ledger.rs"]
+mod ledger;
 #[path = "bench/off.rs"]
 mod off;
 #[path = "bench/overrun.rs"]

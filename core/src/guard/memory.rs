@@ -21,8 +21,8 @@ const AHEAD: Duration = Duration::from_millis(60_000);
 /// No energy, temperature or dose is larger than this, in any of the units here.
 const MOST: f64 = 1e6;
 
-/// What outlives a guard.
-#[derive(Clone, Debug, PartialEq)]
+/// What outlives a guard. By default nothing was ever driven.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
     /// By wire, in the display's order.
     pub wires: Box<[WireMemory]>,

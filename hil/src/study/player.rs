@@ -25,8 +25,8 @@ const STEP_S: f64 = 0.02;
 pub struct Player {
     stimuli: Stimuli,
     seed: u64,
-    /// Heat and dose as of [`Self::until`]; `None` where nothing was played.
-    memory: Option<Memory>,
+    /// Heat and dose as of [`Self::until`].
+    memory: Memory,
     /// When what was played is over, in the time of the session.
     until: Instant,
     /// The pages that look on; where there are none, virtual time is not held to the wall clock.
@@ -87,11 +87,11 @@ fn path(setup: &Setup, events: &[Event]) -> Path {
 impl Player {
     /// A bench on which nothing was played yet.
     #[must_use]
-    pub const fn new(stimuli: Stimuli, seed: u64, desk: Option<Desk>) -> Self {
+    pub fn new(stimuli: Stimuli, seed: u64, desk: Option<Desk>) -> Self {
         Self {
             stimuli,
             seed,
-            memory: None,
+            memory: Memory::default(),
             until: Instant::ZERO,
             desk,
         }
@@ -126,14 +126,13 @@ impl Player {
             let over = guard.repeat(began, &bursts.collect::<Vec<_>>());
             self.until = self.until.max(over);
         }
-        self.memory = Some(guard.memory(self.until));
+        self.memory = guard.memory(self.until);
         Ok(())
     }
 
     /// Heat and dose as of a time of the session.
-    fn memory(&self, at: Instant) -> Option<Memory> {
-        let elapsed = Some(at.since(self.until));
-        self.memory.as_ref().map(|memory| memory.after(elapsed))
+    fn memory(&self, at: Instant) -> Memory {
+        self.memory.after(Some(at.since(self.until)))
     }
 
     /// Plays a stimulus at a time of the session, ms. Returns what was played of it, and how it went.
@@ -143,8 +142,8 @@ impl Player {
     pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
         let mut setup = self.stimuli.setup(stimulus)?;
         let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.until);
-        setup.memory = self.memory(began);
-        (self.memory, self.until) = (setup.memory.clone(), began);
+        (self.memory, self.until) = (self.memory(began), began);
+        setup.memory = Some(self.memory.clone());
         let wanted = Wanted {
             desk: self.desk.as_ref(),
             quiet: true,
@@ -168,7 +167,7 @@ impl Player {
             bursts: bursts.iter().map(of_record).collect(),
         };
         let over = guard.repeat(Instant::ZERO, &bursts) + Duration::from_micros(length_us(trace));
-        self.memory = Some(guard.memory(over));
+        self.memory = guard.memory(over);
         self.until = began + over.since(Instant::ZERO);
         let went = match outcome.failure {
             Some(Failure::Guard(text)) if self.is_stopped() => Went::Latched(off, text),
@@ -195,7 +194,7 @@ impl Player {
     /// [`Failure`] of a bench that has no guard.
     pub fn used(&self, now_ms: u64) -> Result<Used, Failure> {
         let mut setup = self.stimuli.emulated(&Stimulus::Silence)?;
-        setup.memory = self.memory(Instant::from_micros(now_ms.saturating_mul(1000)));
+        setup.memory = Some(self.memory(Instant::from_micros(now_ms.saturating_mul(1000))));
         let projector = build(&setup, 1, Levels::Off)?;
         Ok(projector.guard().used(Instant::ZERO))
     }

@@ -206,8 +206,8 @@ impl Ledger {
             fingertips,
         } = self;
         let is_own = |number: usize, kept: &Kept| {
-            let places = fingertips.iter().flat_map(|own| &own.wires);
-            places.into_iter().any(|own| *own == (number, kept.output))
+            let mut places = fingertips.iter().flat_map(|own| &own.wires);
+            places.any(|own| *own == (number, kept.output))
         };
         let mut others = Vec::new();
         for (number, (account, mut kept)) in hardware.into_iter().enumerate() {

@@ -21,7 +21,8 @@ impl Place {
 
     /// A run of a fingertip with wires on these channels of a piece of hardware.
     fn ledger(&self, hardware: &str, channels: &[u8], wearer: &str) -> Result<Ledger, LedgerError> {
-        let names = (&[hardware.to_owned()][..], &[wearer.to_owned()][..]);
+        let (hardware, wearer) = ([hardware.to_owned()], [wearer.to_owned()]);
+        let names = (&hardware[..], &wearer[..]);
         Ledger::within(&self.0, names, vec![fingertip(channels)])
     }
 
@@ -297,7 +298,8 @@ fn a_reserve_goes_on_while_the_loop_does_and_ends_with_the_disk() {
 #[test]
 fn a_fingertip_that_ended_waits_for_nobody() {
     let place = Place::new("ended");
-    let names = (&["bench".to_owned()][..], &["wearer".to_owned()][..]);
+    let (hardware, wearer) = (["bench".to_owned()], ["wearer".to_owned()]);
+    let names = (&hardware[..], &wearer[..]);
     let fingertips = vec![fingertip(&[0]), fingertip(&[1])];
     let ledger = Ledger::within(&place.0, names, fingertips).unwrap();
     let (first, second) = (guard(1), guard(1));

@@ -9,16 +9,17 @@ use palpate_run::unit::{NoLine, UnitReport};
 use palpate_run::{Failure, HeatReport, RemoteHeat};
 
 use super::ends::Watched;
+use super::heat::Heat;
 use crate::link::RemoteUnit;
 use crate::output::note;
 
-/// A unit with which a session has begun, and what the host does about its Peltier module.
-pub struct LinkEnd(RemoteUnit, Option<RemoteHeat>);
+/// A unit with which a session has begun, what the host does about its Peltier module, and what heat is booked with.
+pub struct LinkEnd(RemoteUnit, Option<RemoteHeat>, Heat);
 
 impl LinkEnd {
     /// A unit, and its module where the bench has one.
-    pub(super) const fn new(unit: RemoteUnit, heat: Option<RemoteHeat>) -> Self {
-        Self(unit, heat)
+    pub(super) const fn new(unit: RemoteUnit, module: Option<RemoteHeat>, heat: Heat) -> Self {
+        Self(unit, module, heat)
     }
 
     /// Keeps a stop on this computer too, until a person has looked.
@@ -74,6 +75,10 @@ impl Watched for LinkEnd {
             Failure::Guard(cause) => Failure::Guard(self.latch(&cause)),
             other => other,
         })
+    }
+
+    fn ledger(&self) -> Option<(&Heat, usize)> {
+        Some((&self.2, 0))
     }
 
     fn abandon(&mut self, _cause: &str) {}
