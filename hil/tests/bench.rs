@@ -19,6 +19,8 @@ mod feed;
 mod guardian_faults;
 #[path = "bench/lacks.rs"]
 mod lacks;
+#[path = "bench/ledger.rs"]
+mod ledger;
 #[path = "bench/names.rs"]
 mod names;
 #[path = "bench/off.rs"]

@@ -438,6 +438,7 @@ fn the_table_of_hazards_has_the_tests_of_the_bench() {
             "bench/names.rs",
             "bench/overrun.rs",
             "bench/unseen_time.rs",
+            "bench/ledger.rs",
             "bench/off.rs",
             "bench/campaign.rs",
             "tests/namespaces.rs",

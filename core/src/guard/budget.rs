@@ -9,6 +9,7 @@ use crate::units::{Duration, Instant, Ticks};
 use super::Guard;
 use super::admission::faded;
 use super::decays::{Decays, RATES};
+use super::power::Bucket;
 use super::table::{DEEP, SHALLOW};
 
 /// The second that [`Guard::second_uw`] looks ahead.
@@ -111,7 +112,8 @@ impl Guard {
             true => (row, nanojoules(j) / 1000),
             false => (row, u64::MAX),
         });
-        let (power, tip) = (state.power.second_nj(at), self.fingertip.second_nj(at));
+        let most = |bucket: &Bucket| bucket.most_nj(at, SECOND);
+        let (power, tip) = (most(&state.power), most(&self.fingertip));
         Some([
             peak,
             dose,

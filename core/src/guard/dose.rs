@@ -6,14 +6,16 @@ use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, LN_HENRIQUES_A, ZE
 /// what cooling skin still adds to its dose after the last burst (a few seconds' worth) is well covered.
 const HORIZON_S: f64 = 60.0;
 
-/// Most dose of a session.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct DoseLimits {
-    pub(super) omega: f64,
-    pub(super) cem43_min: f64,
+/// Both doses of skin 0.1 mm deep.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Doses {
+    /// Henriques' Omega.
+    pub omega: f64,
+    /// Cumulative equivalent minutes at 43 C.
+    pub cem43_min: f64,
 }
 
-impl DoseLimits {
+impl Doses {
     /// So much dose left lasts for [`HORIZON_S`] at `mc` millidegrees C, and a thousandth more, which no rounding
     /// takes.
     pub(super) fn ample(mc: u64) -> Self {
@@ -21,6 +23,15 @@ impl DoseLimits {
         Self {
             omega: 1.001 * HORIZON_S * rates.omega,
             cem43_min: 1.001 * HORIZON_S * rates.cem43_min,
+        }
+    }
+
+    /// The larger of both in each.
+    #[must_use]
+    pub const fn max(self, other: Self) -> Self {
+        Self {
+            omega: self.omega.max(other.omega),
+            cem43_min: self.cem43_min.max(other.cem43_min),
         }
     }
 }
@@ -57,9 +68,14 @@ impl Rates {
 impl Dose {
     /// None so far, with skin at `t` degrees C.
     pub(super) fn new(t: f64) -> Self {
+        Self::of(Doses::default(), t)
+    }
+
+    /// So much so far, with skin at `t` degrees C.
+    pub(super) fn of(doses: Doses, t: f64) -> Self {
         Self {
-            omega: 0.0,
-            cem43_min: 0.0,
+            omega: doses.omega,
+            cem43_min: doses.cem43_min,
             rates: Rates::at(t),
         }
     }
@@ -82,22 +98,22 @@ impl Dose {
     }
 
     /// What lasts for [`HORIZON_S`] at the present temperature: with less left, a burst that ends so is too warm.
-    pub(super) const fn kept_back(&self) -> DoseLimits {
-        DoseLimits {
+    pub(super) const fn kept_back(&self) -> Doses {
+        Doses {
             omega: HORIZON_S * self.rates.omega,
             cem43_min: HORIZON_S * self.rates.cem43_min,
         }
     }
 
     /// Whether more than `least` is left of both doses: [`Self::ceiling_c`] takes two logarithms to tell.
-    pub(super) fn leaves(&self, limits: &DoseLimits, least: &DoseLimits) -> bool {
+    pub(super) fn leaves(&self, limits: &Doses, least: &Doses) -> bool {
         limits.omega - self.omega > least.omega
             && limits.cem43_min - self.cem43_min > least.cem43_min
     }
 
     /// The temperature, degrees C, at which what is left of both doses lasts for [`HORIZON_S`]; far below
     /// any skin when nothing is left.
-    pub(super) fn ceiling_c(&self, limits: &DoseLimits) -> f64 {
+    pub(super) fn ceiling_c(&self, limits: &Doses) -> f64 {
         let rate = |left: f64| left.max(f64::MIN_POSITIVE) / HORIZON_S;
         let omega = rate(limits.omega - self.omega);
         let by_omega =

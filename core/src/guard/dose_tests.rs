@@ -2,7 +2,7 @@
 
 use super::*;
 
-const HARD: DoseLimits = DoseLimits {
+const HARD: Doses = Doses {
     omega: 0.01,
     cem43_min: 2.0,
 };
@@ -54,7 +54,7 @@ fn relaxing_counts_the_mean_of_its_ends_and_a_burst_its_hotter_one() {
 
 #[test]
 fn ample_dose_lasts_a_minute_at_that_temperature() {
-    let ample = DoseLimits::ample(43_000);
+    let ample = Doses::ample(43_000);
     close(ample.cem43_min, 1.001);
     close(ample.omega, 60.06 * Rates::at(43.0).omega);
 }
@@ -62,7 +62,7 @@ fn ample_dose_lasts_a_minute_at_that_temperature() {
 #[test]
 fn dose_is_left_while_more_than_that_of_both_is() {
     let mut dose = Dose::new(33.0);
-    let both = |omega, cem43_min| DoseLimits { omega, cem43_min };
+    let both = |omega, cem43_min| Doses { omega, cem43_min };
     for (omega, cem43_min, more) in [
         (0.0, 0.0, true),
         (6.0, 1.0, false),

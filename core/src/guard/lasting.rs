@@ -8,7 +8,7 @@ use crate::units::{Duration, Instant, Ticks};
 
 use super::Guard;
 use super::decays::{Decays, RATES, Stretches, dot};
-use super::dose::{Dose, DoseLimits};
+use super::dose::{Dose, Doses};
 use super::table::{LATENT_K, REST_C, SHALLOW};
 
 /// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
@@ -33,7 +33,7 @@ struct Round {
     /// Dose of this round alone.
     dose: Dose,
     /// With less left than this, the guard would make the mean burst weaker.
-    kept: DoseLimits,
+    kept: Doses,
     /// What tissue is without a wire's heat, K above skin at rest.
     rest_k: f64,
 }
@@ -54,7 +54,7 @@ impl Round {
             energy,
             rest_k,
             dose: Dose::new(shallow_c(&energy, rest_k)),
-            kept: DoseLimits {
+            kept: Doses {
                 omega: 0.0,
                 cem43_min: 0.0,
             },

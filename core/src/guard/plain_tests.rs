@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::decays::{Decays, RATES, Stretch, dot};
-use super::dose::{Dose, DoseLimits};
+use super::dose::{Dose, Doses};
 use super::limits::{HARD, Limits};
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
 use super::thermal::{Booking, Budget, Predicted, Tissue};
@@ -44,7 +44,7 @@ impl Plain {
         let stretch = Stretch::new(booking.until.since(booking.from));
         let old = stretch.end(&self.energy, 0.0);
         let kelvin = |mc: u64, latent: f64| mc as f64 * 1e-3 - REST_C - latent;
-        let dose = DoseLimits {
+        let dose = Doses {
             omega: self.limits.dose_omega_ppm as f64 * 1e-6,
             cem43_min: self.limits.dose_cem43_ms as f64 / 60_000.0,
         };

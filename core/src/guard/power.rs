@@ -16,6 +16,23 @@ pub(super) struct Bucket {
     at: Instant,
 }
 
+/// What was spent of what may be spent at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spent {
+    /// Energy, picojoules; more than there is counts as all of it.
+    pub pj: u64,
+    /// How long ago: what refills since then is no longer spent.
+    pub ago: Duration,
+}
+
+impl Spent {
+    /// All that there is, now.
+    pub(super) const ALL: Self = Self {
+        pj: u64::MAX,
+        ago: Duration::ZERO,
+    };
+}
+
 /// Mean power over a window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
@@ -71,9 +88,9 @@ impl Bucket {
         self.left_pj.saturating_add(refill).min(self.capacity_pj)
     }
 
-    /// The most, nanojoules, that may be booked in the second from `at` on.
-    pub(super) fn second_nj(&self, at: Instant) -> u64 {
-        let refill = self.rate_uw.saturating_mul(1_000_000);
+    /// The most, nanojoules, that may be booked in a span from `at` on.
+    pub(super) fn most_nj(&self, at: Instant, span: Duration) -> u64 {
+        let refill = self.rate_uw.saturating_mul(span.as_micros());
         self.left_pj_at(at).saturating_add(refill) / 1000
     }
 
@@ -85,10 +102,20 @@ impl Bucket {
         }
     }
 
-    /// Counts time from `end` on.
-    pub(super) fn rebase(&mut self, end: Instant) {
-        self.left_nj(end);
-        self.at = Instant::ZERO;
+    /// What is spent at `at`.
+    pub(super) fn spent(&self, at: Instant) -> Spent {
+        Spent {
+            pj: self.capacity_pj - self.left_pj_at(at),
+            ago: Duration::ZERO,
+        }
+    }
+
+    /// Goes on at `at` from what was spent before.
+    pub(super) fn recall(&mut self, spent: &Spent, at: Instant) {
+        let refill = self.rate_uw.saturating_mul(spent.ago.as_micros());
+        let left = self.capacity_pj.saturating_sub(spent.pj);
+        self.left_pj = left.saturating_add(refill).min(self.capacity_pj);
+        self.at = at;
     }
 
     /// Books energy, at most what is left.

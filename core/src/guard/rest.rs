@@ -30,7 +30,7 @@ impl Rest {
     }
 
     /// From now on it is `k` at least. Lower ones count once the bins before are over.
-    fn raise(&mut self, at: Instant, k: f64) {
+    pub(super) fn raise(&mut self, at: Instant, k: f64) {
         let bin = at.as_micros() / BIN.as_micros();
         let passed = bin.saturating_sub(self.newest).min(BINS as u64) as usize;
         self.bins.copy_within(..BINS - passed, passed);

@@ -15,7 +15,7 @@ use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
 
 use super::decays::{DECAYS, Decays, RATES, Stretch, Stretches, Sums, dot};
-use super::dose::{Dose, DoseLimits};
+use super::dose::{Dose, Doses};
 use super::limits::Limits;
 use super::rest::Rest;
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
@@ -24,9 +24,9 @@ use super::used::Used;
 /// Window of the mean.
 const WINDOW: Duration = Duration::from_millis(10_000);
 /// Length of a bin of the mean, microseconds.
-const BIN_US: u64 = 250_000;
+pub(super) const BIN_US: u64 = 250_000;
 /// Bins kept: a window of which both ends lie within bins.
-const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
+pub(super) const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
 /// Bins after the end of a burst at which the mean is looked at; between two of them it is taken to have the
 /// heat of the later and the past of the earlier one.
 const AHEAD: [u64; LOOKS] = [1, 2, 4, 8, 14, 20, 30, 40];
@@ -58,14 +58,14 @@ impl Heat {
 /// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
-    peak_k: f64,
+    pub(super) peak_k: f64,
     mean_k: f64,
     deep_k: f64,
-    dose: DoseLimits,
+    dose: Doses,
     /// More dose left than this allows more than the peak does.
-    ample: DoseLimits,
+    ample: Doses,
     felt: Sums<{ 2 + LOOKS }>,
-    stretches: Stretches,
+    pub(super) stretches: Stretches,
     response: Response,
 }
 
@@ -83,14 +83,17 @@ struct Felt {
 #[derive(Clone, Debug)]
 pub(super) struct Tissue {
     /// Booked until here, in a time that began with the first run of the session.
-    at: Instant,
+    pub(super) at: Instant,
     /// When this run began in that time.
     pub(super) begun: Duration,
     /// Energy that each decay still feels, J.
-    energy: Decays,
+    pub(super) energy: Decays,
     /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
-    bins: [f64; BINS],
-    dose: Dose,
+    pub(super) bins: [f64; BINS],
+    pub(super) dose: Dose,
+    /// No skin was warmer before the next heat, degrees C, whatever the energies say: those of a reserve lie above all that
+    /// can have been.
+    pub(super) most_c: f64,
     /// How much warmer than skin at rest it is without its wire's heat, K; never less than zero.
     pub(super) face_k: f64,
     /// The same with what is wanted of the face: what bursts to come make room for.
@@ -191,11 +194,11 @@ impl Budget {
             peak_k: kelvin(limits.skin_peak_mc, LATENT_K[0]),
             mean_k: kelvin(limits.skin_mean_mc, LATENT_K[1]),
             deep_k: kelvin(limits.skin_deep_mc, LATENT_K[2]),
-            dose: DoseLimits {
+            dose: Doses {
                 omega: limits.dose_omega_ppm as f64 * 1e-6,
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
-            ample: DoseLimits::ample(limits.skin_peak_mc),
+            ample: Doses::ample(limits.skin_peak_mc),
             response: Response::new(stretches.of(Duration::ZERO), &felt),
             felt,
             stretches,
@@ -203,7 +206,7 @@ impl Budget {
     }
 
     /// Most dose of a session.
-    pub(super) const fn doses(&self) -> DoseLimits {
+    pub(super) const fn doses(&self) -> Doses {
         self.dose
     }
 
@@ -222,6 +225,7 @@ impl Tissue {
             energy: [0.0; DECAYS],
             bins: [0.0; BINS],
             dose: Dose::new(REST_C + LATENT_K[0]),
+            most_c: f64::INFINITY,
             face_k: 0.0,
             rest_k: 0.0,
         }
@@ -355,7 +359,7 @@ impl Tissue {
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
     /// there the steps grow. What bins held then is shifted out by as many bins as are kept.
-    fn relax(&mut self, stretches: &mut Stretches, to: Instant) {
+    pub(super) fn relax(&mut self, stretches: &mut Stretches, to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
         while self.at < recent {
@@ -383,12 +387,18 @@ impl Tissue {
     fn pass(&mut self, stretch: &Stretch, until: Instant, joules: f64) {
         self.energy = stretch.end(&self.energy, joules);
         self.at = until;
-        let shallow_c = REST_C + self.face_k + LATENT_K[0] + dot(&SHALLOW, &self.energy);
         if joules > 0.0 {
-            self.dose.heat(shallow_c, stretch.seconds);
+            self.most_c = f64::INFINITY;
+            self.dose.heat(self.shallow_c(), stretch.seconds);
         } else {
-            self.dose.relax(shallow_c, stretch.seconds);
+            self.dose.relax(self.shallow_c(), stretch.seconds);
         }
+    }
+
+    /// Skin 0.1 mm deep, degrees C, where it is booked until.
+    pub(super) fn shallow_c(&self) -> f64 {
+        let shallow_c = REST_C + self.face_k + LATENT_K[0] + dot(&SHALLOW, &self.energy);
+        shallow_c.min(self.most_c)
     }
 
     /// End of the bin that `at` lies in.

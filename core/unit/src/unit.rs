@@ -6,7 +6,7 @@ use palpate_core::codec::link::{
     Buffer, Command, Face, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
 };
 use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
-use palpate_core::guard::{Cause, Guard, Guarded};
+use palpate_core::guard::{Cause, Guard, Guarded, Memory, MemoryError};
 use palpate_core::peltier::Regulator;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Ticks};
@@ -147,6 +147,14 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
     /// The guard, to look at.
     pub const fn guard(&self) -> &Guard {
         &self.guard
+    }
+
+    /// Goes on from heat and dose that outlived another unit on the same wires, as of `now`. Before it starts.
+    ///
+    /// # Errors
+    /// Figures that no guard can have written.
+    pub fn remember(&mut self, memory: &Memory, now: Instant) -> Result<(), MemoryError> {
+        self.guard.remember(memory, now)
     }
 
     /// What it counted.

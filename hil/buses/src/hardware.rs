@@ -74,7 +74,7 @@ impl Hardware {
     }
 
     /// The name of its files, without an ending.
-    pub(crate) fn file(&self) -> &str {
+    pub fn file(&self) -> &str {
         &self.file
     }
 }

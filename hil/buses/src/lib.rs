@@ -2,9 +2,11 @@
 
 pub mod can;
 pub mod datagrams;
+mod desk;
 pub mod guardian;
 pub mod hardware;
 pub mod i2c;
+pub mod ledger;
 pub mod lock;
 pub mod oe;
 pub mod pacer;

@@ -16,7 +16,7 @@ use nix::errno::Errno;
 use nix::fcntl::{Flock, FlockArg};
 
 use crate::hardware::Hardware;
-use crate::shared_file::{create, open, refuse_newer};
+use crate::shared_file::{open, open_or_create, refuse_newer};
 
 /// The version of a lock's file that this code writes.
 const VERSION: u32 = 1;
@@ -85,19 +85,6 @@ fn content(hardware: &Hardware) -> String {
     format!("{KIND} {VERSION}\n{}\n", hardware.place())
 }
 
-/// Opens the file, or makes it.
-fn opened(path: &Path) -> io::Result<File> {
-    let there = || open(path, true);
-    match there() {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => match create(path) {
-            // Another program was faster.
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => there(),
-            made => made,
-        },
-        other => other,
-    }
-}
-
 /// Refuses a file that a newer version has left: what else it holds by is not known here.
 fn known(file: &File) -> io::Result<()> {
     let mut first = [0; FIRST];
@@ -154,7 +141,7 @@ impl BusLock {
         let content = content(hardware);
         let length = content.len() as u64;
         loop {
-            let file = opened(&lock).map_err(fail)?;
+            let file = open_or_create(&lock).map_err(fail)?;
             let held = match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
                 Ok(held) => held,
                 Err((file, Errno::EWOULDBLOCK)) => {

@@ -34,6 +34,34 @@ pub fn create(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
+/// Opens a file to read and write it, or makes it.
+///
+/// # Errors
+/// What the system says; an error for what is no ordinary file.
+pub fn open_or_create(path: &Path) -> io::Result<File> {
+    let there = || open(path, true);
+    match there() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => match create(path) {
+            // Another program was faster.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => there(),
+            made => made,
+        },
+        other => other,
+    }
+}
+
+/// Makes a folder where it is not there yet, with this mode whatever the mask of this process.
+///
+/// # Errors
+/// What the system says.
+pub fn make(folder: &Path, mode: u32) -> io::Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    fs::create_dir_all(folder)?;
+    fs::set_permissions(folder, Permissions::from_mode(mode))
+}
+
 /// Refuses what begins with the first line of a version above `known`: `KIND VERSION`.
 ///
 /// # Errors

@@ -8,7 +8,6 @@ use super::overrides::Overrides;
 use super::scene::Scene;
 use super::setup::Setup;
 use super::source::Source;
-use palpate_core::guard::Earlier;
 use palpate_core::units::Duration;
 
 impl Setup {
@@ -65,7 +64,7 @@ impl Setup {
             section: String::new(),
             bus_wait: Duration::ZERO,
             unit: None,
-            earlier: Earlier::default(),
+            memory: None,
             observed: false,
             scene,
             bench,

@@ -19,7 +19,7 @@ use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
-use palpate_core::guard::Earlier;
+use palpate_core::guard::Memory;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -62,8 +62,8 @@ pub struct Setup {
     pub bus_wait: Duration,
     /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
     pub unit: Option<Hello>,
-    /// What the wearer had from earlier runs of a session: the guard counts on from it.
-    pub earlier: Earlier,
+    /// Heat and dose of earlier runs: the guard goes on from them.
+    pub memory: Option<Memory>,
     pub(super) observed: bool,
 }
 
@@ -130,7 +130,7 @@ impl Setup {
             section: String::new(),
             bus_wait: Duration::ZERO,
             unit: None,
-            earlier: Earlier::default(),
+            memory: None,
             observed: false,
         })
     }

@@ -72,6 +72,13 @@ pub struct OffArgs {
     /// Also clear a latched stop. Look at the bench first.
     #[arg(long)]
     pub unlatch: bool,
+    /// Also forget the heat of its hardware, and the dose of who wears it and has no name: type the bench's name, or the
+    /// unit's address. For another wearer, or one who has rested.
+    #[arg(long, value_name = "BENCH")]
+    pub forget_heat: Option<String>,
+    /// Forget the dose of the wearer of this name instead; repeatable.
+    #[arg(long, value_name = "NAME", requires = "forget_heat")]
+    pub wearer: Vec<String>,
 }
 
 /// Options of the guardian process.

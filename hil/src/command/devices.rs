@@ -165,9 +165,17 @@ pub fn enough_adapters(bench: &Bench) -> Result<(), Failure> {
 /// # Errors
 /// A bad bench, address or key file.
 pub(super) fn unit_of(name: Option<&str>, on: &UnitOn) -> Result<Option<UnitPlace>, Failure> {
+    UnitPlace::of(&bench_of(name, on)?)
+}
+
+/// The bench that a command names, with the driver unit that it names.
+///
+/// # Errors
+/// A bad bench or address.
+pub(super) fn bench_of(name: Option<&str>, on: &UnitOn) -> Result<Loaded<Bench>, Failure> {
     let mut overrides = Overrides::default();
     on.change(&mut overrides);
-    UnitPlace::of(&bench_with(name, &overrides, &[], &[])?)
+    bench_with(name, &overrides, &[], &[])
 }
 
 /// Every device must be named once.

@@ -10,12 +10,13 @@ use palpate_buses::oe::OeLine;
 use crate::cli::OffArgs;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::State;
+use palpate_files::{Bench, Loaded};
 use palpate_live::link::{RemoteUnit, UnitPlace};
 use palpate_live::output::{note, print};
-use palpate_live::real::watch;
+use palpate_live::real::{forget, watch};
 use palpate_run::Failure;
 
-use super::devices::{adapters_alone, bench, unit_of};
+use super::devices::{adapters_alone, bench, bench_of};
 
 /// How long boards may take to answer, and a run that holds the bus to end.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -31,8 +32,10 @@ const LOOK: palpate_core::units::Duration = palpate_core::units::Duration::from_
 /// # Errors
 /// [`Failure::Input`] for a bench that is not real, [`Failure::Device`] when not everything is off.
 pub fn off(args: &OffArgs) -> Result<(), Failure> {
-    if let Some(place) = unit_of(args.bench.as_deref(), &args.unit)? {
-        return off_unit(&place, args.unlatch);
+    let of_unit = bench_of(args.bench.as_deref(), &args.unit)?;
+    if let Some(place) = UnitPlace::of(&of_unit)? {
+        off_unit(&place, args.unlatch)?;
+        return forget_heat(args, &place.name, &of_unit);
     }
     let bench = match args.bench.as_deref() {
         Some(name) => bench(Some(name), &[], &[])?,
@@ -64,7 +67,8 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
         tell_stop(hardware, lock, args.unlatch, off.is_ok(), &mut lines)?;
     }
     print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
-    off
+    off?;
+    forget_heat(args, &bench.value.name, &bench)
 }
 
 /// Says which stop is kept of hardware, and clears it under its lock where that is wanted and everything `is_off`.
@@ -97,7 +101,29 @@ fn tell_stop(
     Ok(())
 }
 
-/// The same of a driver unit: it switches off and stops, and only a host that begins after this goes on.
+/// Forgets heat and dose of what is off, where its name was typed.
+fn forget_heat(args: &OffArgs, name: &str, bench: &Loaded<Bench>) -> Result<(), Failure> {
+    let Some(typed) = &args.forget_heat else {
+        return Ok(());
+    };
+    if !args.i2c.is_empty() {
+        return Err(Failure::Input(
+            "--forget-heat: expected --bench or --unit with it, found --i2c: an adapter alone has no name to type".into(),
+        ));
+    }
+    if typed != name {
+        return Err(Failure::Input(format!(
+            "--forget-heat: expected `{name}`, the name of what was switched off, found `{typed}`; nothing is forgotten"
+        )));
+    }
+    let said = match forget(bench, &args.wearer)? {
+        true => "heat and dose are forgotten",
+        false => "no heat and no dose was kept",
+    };
+    print(|out| writeln!(out, "{name}: {said}"))
+}
+
+/// [`off`] of a driver unit: it switches off and stops, and only a host that begins after this goes on.
 fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
     let name = &place.name;
     let stopped = RemoteUnit::open(place, 0, RunClock::start())?.stop();

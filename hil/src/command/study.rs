@@ -4,7 +4,6 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_core::guard::Earlier;
 use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
 use palpate_records::digest::short_digest;
 use palpate_records::table::{as_csv, plain};
@@ -64,7 +63,7 @@ fn prepared(args: &StudyRunArgs) -> Result<(Stimuli, Session, Dose), Failure> {
     }
     let session = Session::new(protocol.value.clone(), args.participant, on.seed);
     let stimuli = Stimuli::new(protocol, bench)?;
-    let dose = planned(&stimuli, &session, &Earlier::default())?;
+    let dose = planned(&stimuli, &session)?;
     Ok((stimuli, session, dose))
 }
 
@@ -191,7 +190,7 @@ fn resume(
     let (now_ms, open) = (record.now_ms(uptime), record.open());
     let played = record.replies().filter_map(|said| said.trial.as_ref());
     let played = played.flat_map(|played| &played.intervals);
-    played.chain(&open).for_each(|one| player.remember(one));
+    player.remember(played.chain(&open))?;
     writing.add(Line::Resumed(Resumed {
         at_ms: writing.stamp(now_ms),
         palpate: env!("CARGO_PKG_VERSION").into(),

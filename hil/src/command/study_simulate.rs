@@ -2,7 +2,6 @@
 
 use std::io::{self, Write};
 
-use palpate_core::guard::Earlier;
 use palpate_files::{Protocol, load_protocol};
 use palpate_run::Failure;
 use palpate_study::{Known, Outcome, Session, Simulation, simulate};
@@ -28,7 +27,7 @@ pub(super) fn simulated(args: &SimulateArgs) -> Result<(), Failure> {
         true => {
             let session = Session::new(loaded.value.clone(), 1, args.seed);
             let stimuli = Stimuli::new(loaded.clone(), bench(None, &[], &[])?)?;
-            planned(&stimuli, &session, &Earlier::default())?.known
+            planned(&stimuli, &session)?.known
         }
         false => Known::default(),
     };

@@ -3,10 +3,9 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use palpate_core::contact::Levels;
-use palpate_core::guard::Earlier;
+use palpate_core::guard::Guard;
 use palpate_core::units::{Duration, Instant};
-use palpate_run::{Failure, build};
+use palpate_run::Failure;
 use palpate_study::{Known, Session, Stimulus, Trial};
 
 use super::rehearsal::Rehearsals;
@@ -32,7 +31,7 @@ pub struct Dose {
 ///
 /// # Errors
 /// [`Failure`] of a bench that cannot play a stimulus.
-pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Result<Dose, Failure> {
+pub fn planned(stimuli: &Stimuli, session: &Session) -> Result<Dose, Failure> {
     let protocol = &stimuli.protocol().value;
     let pause = Duration::from_micros((protocol.pause_s * 1e6) as u64);
     let mut known = Known {
@@ -40,9 +39,9 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
         ..Known::default()
     };
     let mut rehearsals = Rehearsals::default();
-    let mut together = earlier.clone();
+    let (mut together, mut until) = (stimuli.guard()?, Instant::ZERO);
     let mut tasks: Vec<(&'static str, usize, f64)> = Vec::new();
-    let mut before = share(stimuli, &together)?;
+    let mut before = share(&together, until);
     let trials = session.strongest();
     let last_of = |index: usize, trial: &Trial| {
         trials
@@ -55,9 +54,9 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
             if let Stimulus::Condition(name) = stimulus {
                 known.paths.insert(name.clone(), rehearsed.path.clone());
             }
-            let began = together.until + pause;
-            together.extend(began, rehearsed.bursts.iter().copied());
-            together.until = (began + rehearsed.length).max(together.until);
+            let began = until + pause;
+            let over = together.repeat(began, &rehearsed.bursts);
+            until = (began + rehearsed.length).max(over);
         }
         match tasks
             .last_mut()
@@ -67,7 +66,7 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
             None => tasks.push((trial.task.name(), 1, 0.0)),
         }
         if last_of(index, trial) {
-            let after = share(stimuli, &together)?;
+            let after = share(&together, until);
             if let Some(task) = tasks.last_mut() {
                 task.2 = after - before;
             }
@@ -76,18 +75,17 @@ pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Resul
     }
     Ok(Dose {
         share: before,
-        seconds: together.until.since(Instant::ZERO).as_secs_f64(),
+        seconds: until.since(Instant::ZERO).as_secs_f64(),
         tasks,
         known,
         rehearsals,
     })
 }
 
-/// The larger share of both doses.
-fn share(stimuli: &Stimuli, earlier: &Earlier) -> Result<f64, Failure> {
-    let setup = stimuli.emulated(&Stimulus::Silence, earlier.clone())?;
-    let used = build(&setup, 1, Levels::Off)?.guard().used(Instant::ZERO);
-    Ok(used.omega.max(used.cem43))
+/// The larger share of both doses at a time of the session.
+fn share(guard: &Guard, at: Instant) -> f64 {
+    let used = guard.used(at);
+    used.omega.max(used.cem43)
 }
 
 impl Dose {

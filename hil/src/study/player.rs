@@ -1,7 +1,7 @@
 //! Plays what a trial plays, and remembers what the wearer had.
 
 use palpate_core::contact::Levels;
-use palpate_core::guard::{Booked, Earlier, Used};
+use palpate_core::guard::{Booked, Memory, Used};
 use palpate_core::units::{Duration, Instant};
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
@@ -22,7 +22,10 @@ pub struct Player {
     stimuli: Stimuli,
     rehearsals: Rehearsals,
     seed: u64,
-    earlier: Earlier,
+    /// Heat and dose as of [`Self::until`].
+    memory: Memory,
+    /// When what was played is over, in the time of the session.
+    until: Instant,
     /// The pages that look on; where there are none, virtual time is not held to the wall clock.
     desk: Option<Desk>,
 }
@@ -46,7 +49,7 @@ pub enum Went {
 impl Player {
     /// A bench on which nothing was played yet. What was rehearsed on it need not be again.
     #[must_use]
-    pub const fn new(
+    pub fn new(
         stimuli: Stimuli,
         rehearsals: Rehearsals,
         seed: u64,
@@ -56,10 +59,8 @@ impl Player {
             stimuli,
             rehearsals,
             seed,
-            earlier: Earlier {
-                bursts: Vec::new(),
-                until: Instant::ZERO,
-            },
+            memory: Memory::default(),
+            until: Instant::ZERO,
             desk,
         }
     }
@@ -70,12 +71,18 @@ impl Player {
         &self.stimuli
     }
 
-    /// Takes over what was played at a time of the session before the program was begun again.
-    pub fn remember(&mut self, interval: &Interval) {
-        let bursts = interval
-            .bursts
-            .iter()
-            .map(|[wire, on_us, off_us, energy_nj]| {
+    /// Takes over what was played in the session before the program was begun again.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that has no guard.
+    pub fn remember<'a>(
+        &mut self,
+        intervals: impl Iterator<Item = &'a Interval>,
+    ) -> Result<(), Failure> {
+        let mut guard = self.stimuli.guard()?;
+        for interval in intervals {
+            let bursts = interval.bursts.iter();
+            let bursts = bursts.map(|[wire, on_us, off_us, energy_nj]| {
                 let booked = Booked {
                     on: Instant::from_micros(*on_us),
                     off: Instant::from_micros(*off_us),
@@ -83,13 +90,22 @@ impl Player {
                 };
                 (u16::try_from(*wire).unwrap_or(u16::MAX), booked)
             });
-        let began = Instant::from_micros(interval.began_ms.saturating_mul(1000));
-        self.earlier.extend(began, bursts);
+            let began = Instant::from_micros(interval.began_ms.saturating_mul(1000));
+            let over = guard.repeat(began, &bursts.collect::<Vec<_>>());
+            self.until = self.until.max(over);
+        }
+        self.memory = guard.memory(self.until);
+        Ok(())
+    }
+
+    /// Heat and dose as of a time of the session.
+    fn memory(&self, at: Instant) -> Memory {
+        self.memory.after(Some(at.since(self.until)))
     }
 
     /// When a stimulus begins that is played at a time of the session, ms: after what was played before.
     fn begins(&self, now_ms: u64) -> Instant {
-        Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until)
+        Instant::from_micros(now_ms.saturating_mul(1000)).max(self.until)
     }
 
     /// What a stimulus at a time of the session, ms, comes to at most: what a guard books for it from rest. `None` where that
@@ -120,8 +136,8 @@ impl Player {
     pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
         let mut setup = self.stimuli.setup(stimulus)?;
         let began = self.begins(now_ms);
-        self.earlier.until = began;
-        setup.earlier = self.earlier.clone();
+        (self.memory, self.until) = (self.memory(began), began);
+        setup.memory = Some(self.memory.clone());
         let wanted = Wanted {
             desk: self.desk.as_ref(),
             quiet: true,
@@ -130,7 +146,8 @@ impl Player {
         let outcome = host::run(&setup, &Input::Scene, self.seed, Keep::default(), wanted)?;
         let off = clock::now();
         let trace = &outcome.trace;
-        let bursts = bursts(&setup, trace)?;
+        let mut guard = build(&setup, 1, Levels::Off)?.guard().clone();
+        let bursts = bursts(&guard, trace);
         let interval = Interval {
             stimulus: Some(stimulus.clone()),
             began_ms: began.as_micros() / 1000,
@@ -138,8 +155,9 @@ impl Player {
             path: path(&setup, &trace.events),
             bursts: bursts.iter().map(of_record).collect(),
         };
-        self.earlier.extend(began, bursts);
-        self.earlier.until += Duration::from_micros(length_us(trace));
+        let over = guard.repeat(Instant::ZERO, &bursts) + Duration::from_micros(length_us(trace));
+        self.memory = guard.memory(over);
+        self.until = began + over.since(Instant::ZERO);
         let conclusion = &outcome.summary.conclusion;
         let went = match outcome.failure {
             // Whatever else it came to: no trial follows one that passed a limit.
@@ -161,7 +179,7 @@ impl Player {
     /// The session's time, ms, at which what was played is over.
     #[must_use]
     pub const fn until_ms(&self) -> u64 {
-        self.earlier.until.as_micros() / 1000
+        self.until.as_micros() / 1000
     }
 
     /// The share of each limit that is used at a time of the session, ms.
@@ -169,9 +187,8 @@ impl Player {
     /// # Errors
     /// [`Failure`] of a bench that has no guard.
     pub fn used(&self, now_ms: u64) -> Result<Used, Failure> {
-        let mut earlier = self.earlier.clone();
-        earlier.until = earlier.until.max(Instant::from_micros(now_ms * 1000));
-        let setup = self.stimuli.emulated(&Stimulus::Silence, earlier)?;
+        let mut setup = self.stimuli.emulated(&Stimulus::Silence)?;
+        setup.memory = Some(self.memory(Instant::from_micros(now_ms.saturating_mul(1000))));
         let projector = build(&setup, 1, Levels::Off)?;
         Ok(projector.guard().used(Instant::ZERO))
     }

@@ -1,7 +1,7 @@
 //! Stimuli from rest and alone, on an emulated bench: what each comes to at most, before it is played on anyone.
 
 use palpate_core::contact::Levels;
-use palpate_core::guard::{Booked, Earlier};
+use palpate_core::guard::{Booked, Guard};
 use palpate_core::schedule::Entry;
 use palpate_core::units::Duration;
 use palpate_files::Setup;
@@ -58,11 +58,12 @@ impl Rehearsals {
 impl Rehearsed {
     /// Plays a stimulus as fast as it can.
     fn new(stimuli: &Stimuli, stimulus: &Stimulus) -> Result<Self, Failure> {
-        let setup = stimuli.emulated(stimulus, Earlier::default())?;
+        let setup = stimuli.emulated(stimulus)?;
         let outcome = run_with(&setup, &Input::Scene, SEED, Keep::default(), &mut ())?;
         let trace = &outcome.trace;
+        let projector = build(&setup, 1, Levels::Off)?;
         Ok(Self {
-            bursts: bursts(&setup, trace)?,
+            bursts: bursts(projector.guard(), trace),
             length: Duration::from_micros(length_us(trace)),
             path: path(&setup, &trace.events),
         })
@@ -70,9 +71,7 @@ impl Rehearsed {
 }
 
 /// The bursts of a run, as its guard booked them, with their wires.
-pub(super) fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
-    let projector = build(setup, 1, Levels::Off)?;
-    let guard = projector.guard();
+pub(super) fn bursts(guard: &Guard, trace: &Trace) -> Vec<(u16, Booked)> {
     let entries = trace.each().filter(|entry: &&Entry| entry.off > entry.on);
     let mut bursts = Vec::new();
     for (wire, own) in (0..).zip(&trace.header.wires) {
@@ -81,7 +80,7 @@ pub(super) fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>,
             .filter(|entry| (entry.board.0, entry.channel.0) == (own.board, own.channel));
         bursts.extend(guard.booked(of_wire).map(|booked| (wire, booked)));
     }
-    Ok(bursts)
+    bursts
 }
 
 /// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.

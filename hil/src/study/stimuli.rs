@@ -1,8 +1,9 @@
 //! From what a trial plays to a scene on a bench.
 
-use palpate_core::guard::Earlier;
+use palpate_core::contact::Levels;
+use palpate_core::guard::Guard;
 use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Real, Setup, Source};
-use palpate_run::{Failure, fits};
+use palpate_run::{Failure, build, fits};
 use palpate_study::Stimulus;
 
 /// The reference and a moment more before a wire is driven, s.
@@ -173,16 +174,24 @@ impl Stimuli {
         text
     }
 
-    /// The same as an emulated bench, for what is computed beforehand, after these earlier bursts.
+    /// The same as an emulated bench, for what is computed beforehand.
     ///
     /// # Errors
     /// As [`Self::setup`].
-    pub fn emulated(&self, stimulus: &Stimulus, earlier: Earlier) -> Result<Setup, Failure> {
+    pub fn emulated(&self, stimulus: &Stimulus) -> Result<Setup, Failure> {
         let mut setup = self.setup(stimulus)?;
         let bench = &mut setup.bench.value;
         (bench.kind, bench.real, bench.unit) = (BenchKind::Emulated, None, None);
-        setup.earlier = earlier;
         Ok(setup)
+    }
+
+    /// A guard of the bench, on which nothing was played yet.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that has no guard.
+    pub fn guard(&self) -> Result<Guard, Failure> {
+        let projector = build(&self.emulated(&Stimulus::Silence)?, 1, Levels::Off)?;
+        Ok(projector.guard().clone())
     }
 }
 

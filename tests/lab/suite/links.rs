@@ -14,7 +14,7 @@ use nix::unistd::Pid;
 use serde_json::Value;
 
 use super::tools::{hil, in_lab, scene, scratch, sh};
-use super::ward::{Fate, HEARTBEAT_MS, Run, TooSlow, Ward, guardian_of, now_ns, patiently};
+use super::ward::{Fate, HEARTBEAT_MS, Run, TooSlow, Ward, cool, guardian_of, now_ns, patiently};
 
 const FINGER: [&str; 2] = ["--finger", "r1/left/index"];
 const AT: &str = "127.0.0.1:7450";
@@ -84,6 +84,7 @@ impl Drop for Skin {
 /// Skin and display, of which the second drives.
 fn felt(ward: &mut Ward) -> (Skin, Program) {
     ward.stop_boards();
+    cool();
     ward.emulator.told.clear();
     let bench = ward.bench().display().to_string();
     let (mut child, said, told) = Program::start("display", &["--bench", &bench, "--listen", AT]);

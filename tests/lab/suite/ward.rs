@@ -21,7 +21,7 @@ use palpate_buses::lock::BusLock;
 use palpate_core::codec::can::CanFrame;
 
 use super::emulator::{Emulator, at};
-use super::tools::{hil, scene, scratch};
+use super::tools::{hil, scene, scratch, sh};
 
 /// Time in which whatever is still driven shows itself: two periods of the chip and a turn of the emulator.
 const QUIET: Duration = Duration::from_millis(60);
@@ -78,6 +78,11 @@ pub fn patiently(mut attempt: impl FnMut() -> Result<(), TooSlow>) {
     panic!("this machine is too slow to be tested on: late-tick three times");
 }
 
+/// From now on no heat and no dose is booked: what a death leaves would keep the next run from driving at once.
+pub fn cool() {
+    sh("rm -f /var/lib/palpate/*.heat /var/lib/palpate/*.dose");
+}
+
 /// The emulator with everything that runs on it needs.
 pub struct Ward {
     pub emulator: Emulator,
@@ -132,6 +137,7 @@ impl Ward {
             said: scratch("said"),
         };
         this.unlatch();
+        cool();
         this.stop_boards();
         this
     }
@@ -174,6 +180,7 @@ impl Ward {
     /// A run, once the emulator has told of this.
     pub fn run_until(&mut self, event: &str, scene_file: &str, options: &[&str]) -> Run {
         self.stop_boards();
+        cool();
         self.emulator.told.clear();
         let said = File::create(&self.said).unwrap();
         let mut command = self.command(scene_file, options);

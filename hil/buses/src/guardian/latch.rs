@@ -7,9 +7,9 @@
 
 use std::env;
 use std::fmt::Write as _;
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File};
 use std::io::{self, Read};
-use std::os::unix::fs::{FileExt, PermissionsExt};
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -19,7 +19,7 @@ use nix::unistd::{AccessFlags, access};
 
 use crate::hardware::Hardware;
 use crate::lock::BusLock;
-use crate::shared_file::{create, open, refuse_newer};
+use crate::shared_file::{create, make, open, refuse_newer};
 
 /// The version of a record that this code writes.
 const VERSION: u32 = 1;
@@ -93,16 +93,16 @@ impl Latched {
     }
 }
 
-/// The folder that `PALPATE_STATE` names, else that of all users.
-fn folder() -> PathBuf {
+/// The folder of what outlives every process: the one that `PALPATE_STATE` names, else that of all users.
+pub(crate) fn folder() -> PathBuf {
     let named = env::var_os("PALPATE_STATE").map(PathBuf::from);
-    // A folder that depends on where a program is started loses its stops.
+    // A folder that depends on where a program is started loses its stops and heat.
     let named = named.filter(|folder| folder.is_absolute());
     named.unwrap_or_else(|| SYSTEM.into())
 }
 
-/// What a person types so that stops can be kept in a folder.
-fn remedy(folder: &Path) -> String {
+/// What a person types so that stops and heat can be kept in a folder.
+pub(crate) fn remedy(folder: &Path) -> String {
     format!("sudo install -d -m {MODE:o} {}", folder.display())
 }
 
@@ -188,7 +188,7 @@ impl Latch {
     }
 
     fn opened(&self, folder: &Path, ended: &str) -> io::Result<Armed> {
-        make(folder)?;
+        make(folder, MODE)?;
         let (record, is_new) = match open(&self.file, true) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => (create(&self.file)?, true),
             there => (there?, false),
@@ -236,15 +236,6 @@ impl Latch {
         }
         Ok(())
     }
-}
-
-/// Makes the folder of stops where it is not there yet, for all users.
-fn make(folder: &Path) -> io::Result<()> {
-    if folder.is_dir() {
-        return Ok(());
-    }
-    fs::create_dir_all(folder)?;
-    fs::set_permissions(folder, Permissions::from_mode(MODE))
 }
 
 /// What a file holds, up to a byte more than a record has.

@@ -18,6 +18,7 @@ mod server;
 mod sweep;
 
 pub use client::{Guardian, Lost, StartError};
+pub(crate) use latch::{folder as state_folder, remedy};
 pub use latch::{Armed, Latch, Latched, stops_folder};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};

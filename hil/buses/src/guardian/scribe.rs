@@ -4,7 +4,7 @@
 use std::fmt;
 use std::io;
 use std::os::fd::BorrowedFd;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread::Builder;
 use std::time::Duration;
 
@@ -14,6 +14,7 @@ use nix::unistd::write;
 
 use super::decide::Text;
 use super::latch::Armed;
+use crate::desk::Desk;
 use crate::pacer::RunClock;
 use crate::sys;
 
@@ -30,31 +31,6 @@ const TRIES: u32 = 100;
 
 /// A line to people.
 type Line = ArrayString<1024>;
-
-/// A place to leave something for a thread.
-#[derive(Debug, Default)]
-struct Desk<T> {
-    left: Mutex<T>,
-    changed: Condvar,
-}
-
-impl<T> Desk<T> {
-    /// What is left is whole whatever happened to a thread that held it.
-    fn left(&self) -> MutexGuard<'_, T> {
-        self.left.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn leave(&self, leave: impl FnOnce(&mut T)) {
-        leave(&mut self.left());
-        self.changed.notify_all();
-    }
-
-    /// Waits while this is so.
-    fn wait(&self, is_so: impl Fn(&mut T) -> bool) -> MutexGuard<'_, T> {
-        let waited = self.changed.wait_while(self.left(), is_so);
-        waited.unwrap_or_else(PoisonError::into_inner)
-    }
-}
 
 /// Words to people, on standard error.
 #[derive(Clone, Debug)]
@@ -105,10 +81,7 @@ impl Teller {
     /// Waits until everything is written, but no longer than this: a terminal that was stopped may stay so.
     pub(super) fn finish(&self, patience: Duration) {
         let unwritten = |words: &mut Words| words.busy || !words.lines.is_empty();
-        let _ = self
-            .0
-            .changed
-            .wait_timeout_while(self.0.left(), patience, unwritten);
+        drop(self.0.wait_for(patience, unwritten));
     }
 }
 

@@ -9,7 +9,7 @@ use palpate_core::projector::Projector;
 use palpate_files::Setup;
 use palpate_live::link::UnitPlace;
 use palpate_live::output::note;
-use palpate_live::real::{self, Watched};
+use palpate_live::real::{self, Heat, Watched};
 use palpate_run::display_end::EmulatedDisplay;
 use palpate_run::{Failure, Policy, build};
 
@@ -50,16 +50,21 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
     real::dies_at_once();
     let realtime = bench.real.as_ref().and_then(|real| real.realtime);
     match UnitPlace::of(&setup.bench)? {
-        None => feel(args, &setup, realtime, |setup, projector, clock| {
-            Ok((real::open_outputs(setup, projector, clock)?, Policy::REAL))
-        }),
+        None => {
+            let (setup, heat) = Heat::alone(&setup)?;
+            feel(args, &setup, realtime, |setup, projector, clock| {
+                let outputs = real::open_outputs(setup, heat, projector, clock)?;
+                Ok((outputs, Policy::REAL))
+            })
+        }
         Some(place) => {
             let (setup, notes) = real::met(&setup, &place)?;
             if !args.quiet {
                 notes.iter().for_each(|text| note(text));
             }
+            let (setup, heat) = Heat::alone(&setup)?;
             feel(args, &setup, realtime, |setup, _, clock| {
-                Ok((real::open_unit(setup, &place, clock)?, Policy::REAL))
+                Ok((real::open_unit(setup, heat, &place, clock)?, Policy::REAL))
             })
         }
     }

@@ -11,7 +11,7 @@ use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_live::output::print_json;
-use palpate_live::real::{Watched, begin, leave, priority};
+use palpate_live::real::{Watched, beat, begin, leave, priority};
 use palpate_live::record::Journal;
 use palpate_records::mcap::{decode, encoded};
 use palpate_records::trace::Event;
@@ -149,7 +149,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             {
                 break;
             }
-            if let Err(failure) = self.session.display().beat(now) {
+            if let Err(failure) = beat(&mut self.session, now) {
                 self.session.set_failure(failure);
                 break;
             }

@@ -21,6 +21,7 @@ use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
 use super::clocked::Clocked;
+use super::heat::Heat;
 use crate::again;
 
 /// The guardian's view of a bench.
@@ -122,6 +123,7 @@ pub(super) struct Watchman {
 pub struct Live {
     banks: Clocked<Blocking>,
     pub(super) watchman: Watchman,
+    pub(super) heat: Heat,
     /// The adapters, for the way out of a stop.
     adapters: Vec<PathBuf>,
     /// What the guardian found driving before it switched everything off.
@@ -132,6 +134,7 @@ impl Live {
     /// Opens the adapters, guardian last: from then on it can say off.
     pub(super) fn open(
         (bench, real): (&Bench, &Real),
+        heat: Heat,
         prescale: Prescale,
         clock: RunClock,
     ) -> Result<Self, Failure> {
@@ -150,6 +153,7 @@ impl Live {
                 guardian,
                 has_oe: real.oe.is_some(),
             },
+            heat,
             adapters: real.i2c.clone(),
             found,
         })

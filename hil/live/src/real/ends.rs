@@ -15,6 +15,7 @@ use palpate_run::{
 };
 
 use super::bench::{Interfaces, Live};
+use super::heat::Heat;
 use super::warden::FingerEnd;
 use crate::clock;
 
@@ -73,6 +74,11 @@ pub trait Watched: DisplayEnd {
     /// Before a turn: whether the run may go on.
     fn beat(&mut self, now: Instant) -> Result<(), Failure>;
 
+    /// What heat is booked with, and the number of this fingertip there; nothing of an emulated one.
+    fn ledger(&self) -> Option<(&Heat, usize)> {
+        None
+    }
+
     /// Whether somebody switches off what this program leaves on.
     fn is_guarded(&self) -> bool {
         true
@@ -99,6 +105,10 @@ pub trait Watched: DisplayEnd {
 impl Watched for FingerEnd {
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn ledger(&self) -> Option<(&Heat, usize)> {
+        Some((&self.vote.warden.heat, self.vote.finger))
     }
 
     fn is_guarded(&self) -> bool {
@@ -131,6 +141,10 @@ impl Watched for Live {
 
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.watchman.guardian.beat(now).map_err(lost)
+    }
+
+    fn ledger(&self) -> Option<(&Heat, usize)> {
+        Some((&self.heat, 0))
     }
 
     fn is_guarded(&self) -> bool {
@@ -189,6 +203,35 @@ pub(super) fn assemble<S: Sensed, D: Watched>(
     )
 }
 
+/// The display's part of a turn at `now`: what watches over it is there, and heat is reserved ahead.
+///
+/// # Errors
+/// What ends the run.
+pub fn beat<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    now: Instant,
+) -> Result<(), Failure> {
+    let (display, projector, _) = session.all();
+    display.beat(now)?;
+    match display.ledger() {
+        Some((heat, fingertip)) => heat.beat(fingertip, now, projector.guard()),
+        None => Ok(()),
+    }
+}
+
+/// Books what came true of a session's heat until `at`, where everything is known to be `off`.
+fn settle<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    at: Instant,
+    off: bool,
+) -> Result<(), Failure> {
+    let (display, projector, _) = session.all();
+    match display.ledger() {
+        Some((heat, _)) => heat.end(&[(at, projector.guard())], off),
+        None => Ok(()),
+    }
+}
+
 /// Looks around before a turn: for time that nobody saw, for who watches over the display, for what befell its buses. Whether
 /// the run may go on.
 pub(super) fn goes_on<S: Sensed, D: Watched>(
@@ -201,7 +244,7 @@ pub(super) fn goes_on<S: Sensed, D: Watched>(
     {
         return false;
     }
-    if let Err(failure) = session.display().beat(now) {
+    if let Err(failure) = beat(session, now) {
         session.set_failure(failure);
         return false;
     }
@@ -211,11 +254,11 @@ pub(super) fn goes_on<S: Sensed, D: Watched>(
     true
 }
 
-/// Starts the outputs of a session: what was found driving is noted, everything is off and set up. Returns when the first
-/// turn may come.
+/// Starts the outputs of a session: what was found driving is noted, heat is reserved, everything is off and set up. Returns
+/// when the first turn may come.
 ///
 /// # Errors
-/// [`Failure::Device`] for outputs that cannot be started; what watches over them has been told.
+/// [`Failure`] for outputs that cannot be started, or heat that cannot be kept; what watches over them has been told.
 pub fn begin<S: SkinEnd, D: Watched>(
     session: &mut Session<S, D>,
     clock: RunClock,
@@ -225,12 +268,26 @@ pub fn begin<S: SkinEnd, D: Watched>(
         let text = format!("{line}; switched off");
         session.recorder().note(Instant::ZERO, text);
     }
-    session.display().meet()?;
-    session.start(clock.now()).map_err(|error| {
-        let display = session.display();
-        let cause = display.explain(&error);
-        display.abandon(&cause);
-        Failure::Device(cause)
+    let (display, projector, _) = session.all();
+    let held = display.ledger().map_or(Ok(()), |(heat, _)| {
+        heat.begin(&[(clock.now(), projector.guard())])
+    });
+    if let Err(refused) = held {
+        // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+        let _ = display.part(Ok(()), true);
+        return Err(refused);
+    }
+    let started = session.display().meet().and_then(|()| {
+        session.start(clock.now()).map_err(|error| {
+            let display = session.display();
+            let cause = display.explain(&error);
+            display.abandon(&cause);
+            Failure::Device(cause)
+        })
+    });
+    started.inspect_err(|_| {
+        // Nothing was driven. What cannot be booked of that stays reserved.
+        let _ = settle(session, clock.now(), true);
     })
 }
 
@@ -262,12 +319,18 @@ pub fn leave<S: SkinEnd, D: Watched>(
     }
     let failed = session.failure().is_some();
     let off = left.map_or(Ok(()), |cause| Err(left_on(session, cause)));
-    if let Err(cause) = session.display().part(off, failed) {
+    let parted = session.display().part(off, failed);
+    let is_off = parted.is_ok();
+    if let Err(cause) = parted {
         // The guardian has tried meanwhile, and goes on.
         session.still_on();
         let text = format!("not everything is known to be off: {cause}");
         session.recorder().note(end, text);
         session.set_failure(Failure::Device(cause));
+    }
+    if let Err(failure) = settle(session, end, is_off) {
+        session.recorder().note(end, failure.to_string());
+        session.set_failure(failure);
     }
     end
 }

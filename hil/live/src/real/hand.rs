@@ -9,6 +9,7 @@ use palpate_buses::i2c::SharedLine;
 use palpate_buses::pacer::{Lateness, RunClock};
 use palpate_buses::signals::Signals;
 use palpate_core::driver::Banks;
+use palpate_core::guard::Guard;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{Format, Real, Setup};
@@ -23,9 +24,10 @@ use palpate_run::{
     Beginning, CanReport, Failure, Outcome, Truth, build_with, header, plan, skin, stagger,
 };
 
-use super::bench::{Interfaces, guarded, refuse_latched, refuse_slow, watch};
+use super::bench::{Interfaces, guarded, refuse_slow, watch};
 use super::clocked::Clocked;
 use super::ends::{Sensed, Watched, assemble};
+use super::heat::Heat;
 use super::loops::{Ended, RealSession, Shared};
 use super::records::{Records, taxels};
 use super::warden::{FingerEnd, Vote, Warden};
@@ -70,7 +72,7 @@ pub(super) fn run(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     let files = wanted.files;
-    let planned = planned(setup, seed)?;
+    let (planned, heat) = planned(setup, seed)?;
     let whole = |p: &Planned| Readings::whole(p.projector.layout(), p.setup.scene.value.drives);
     let readings: Vec<Readings> = planned.iter().map(whole).collect();
     let numbered = |p: &Planned| {
@@ -90,7 +92,7 @@ pub(super) fn run(
     if watched {
         records.show(shown(&planned, scene_end(setup), wanted)?);
     }
-    let (clock, warden, ends, found) = open(setup, real, &planned)?;
+    let (clock, warden, ends, found) = open((setup, real), heat, &planned)?;
     let keeps_can = files
         .iter()
         .any(|(format, _)| matches!(format, Format::Candump | Format::Mcap));
@@ -102,7 +104,7 @@ pub(super) fn run(
         .lines()
         .map(|line| Event::note(Instant::ZERO, format!("{line}; switched off")))
         .collect();
-    start(&mut sessions, clock)?;
+    start(&mut sessions, &warden, clock)?;
     let begun: Vec<Vec<Event>> = sessions
         .iter_mut()
         .map(|s| s.recorder().events.clone())
@@ -130,10 +132,15 @@ pub(super) fn run(
         let text = format!("not everything is known to be off: {cause}");
         notes.push(Event::note(clock.now(), text));
     }
+    let guards = states(done.iter().map(|(done, _)| &done.session), clock.now());
+    let booked = warden.heat.end(&guards, parted.is_ok());
+    if let Err(failure) = &booked {
+        notes.push(Event::note(clock.now(), failure.to_string()));
+    }
     notes.extend(ends_of_boards(&fingers, &done));
     records.add(notes[found.lines().count()..].to_vec());
     let (not_recorded, written) = records.finish();
-    let failures = [parted.map_err(Failure::Device), written];
+    let failures = [parted.map_err(Failure::Device), booked, written];
     let mut whole = joined((setup, real), fingers, done, notes);
     whole.summary.frames_not_recorded = not_recorded;
     let mut failures = failures.into_iter().filter_map(Result::err);
@@ -168,8 +175,10 @@ fn joined(
     whole
 }
 
-/// Every finger's loop, with its place on the grid of onsets.
-fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
+/// Every finger's loop, with its place on the grid of onsets, and what heat is booked with.
+fn planned(setup: &Setup, seed: u64) -> Result<(Vec<Planned>, Heat), Failure> {
+    let (places, mut alone): (Vec<Place>, Vec<Setup>) = fingers(setup).into_iter().unzip();
+    let heat = Heat::open(&setup.bench, &mut alone)?;
     let levels = levels(setup, seed)?;
     let responses = Responses::default();
     let plan = |(place, setup): (Place, Setup)| {
@@ -182,7 +191,7 @@ fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
             projector,
         })
     };
-    let planned = fingers(setup).into_iter().map(plan);
+    let planned = places.into_iter().zip(alone).map(plan);
     let mut planned = planned.collect::<Result<Vec<_>, Failure>>()?;
     let loops = planned.iter_mut().map(|p| (&p.place, &mut p.projector));
     stagger(setup, loops.collect())?;
@@ -190,7 +199,7 @@ fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
         let real = setup.bench.value.real.as_ref();
         real.map_or(Ok(()), |real| refuse_slow(real, finger.projector.guard()))?;
     }
-    Ok(planned)
+    Ok((planned, heat))
 }
 
 /// Live views of all fingers, one at a time.
@@ -213,17 +222,21 @@ fn shown(planned: &[Planned], end: Instant, wanted: Wanted<'_>) -> Result<Views,
 type Opened = (RunClock, Arc<Warden>, Vec<(Interfaces, FingerEnd)>, String);
 
 /// Opens everything, guardian last: from then on it can say off.
-fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failure> {
+fn open(
+    (setup, real): (&Setup, &Real),
+    heat: Heat,
+    planned: &[Planned],
+) -> Result<Opened, Failure> {
     // Displays that the scene does not drive are the guardian's as well.
     let watch = watch(&setup.bench.value, real);
-    refuse_latched(&watch)?;
     let clock = RunClock::start();
     let skins = planned
         .iter()
         .map(|p| Interfaces::of_boards(real, p.projector.layout(), clock));
     let skins: Vec<Interfaces> = skins.collect::<Result<_, _>>()?;
     let (lines, guardian, found) = guarded(&watch)?;
-    let warden = Arc::new(Warden::new(guardian, planned.len(), real.oe.is_some()));
+    let has_oe = real.oe.is_some();
+    let warden = Arc::new(Warden::new(guardian, heat, planned.len(), has_oe));
     let mut ends: Vec<(usize, FingerEnd)> = Vec::new();
     for (bus, line) in lines.into_iter().enumerate() {
         let on = planned.iter().enumerate();
@@ -266,17 +279,35 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
     Ok((clock, warden, ends.collect(), found))
 }
 
-/// Everything off and set up, on all fingers; no loop turns before.
-fn start(sessions: &mut [RealSession], clock: RunClock) -> Result<(), Failure> {
+/// The guards of all fingers, at a time of the run.
+fn states<'a>(
+    sessions: impl Iterator<Item = &'a RealSession>,
+    now: Instant,
+) -> Vec<(Instant, &'a Guard)> {
+    let guards = sessions.map(|session| session.projector().guard());
+    guards.map(|guard| (now, guard)).collect()
+}
+
+/// Heat reserved, everything off and set up, on all fingers; no loop turns before.
+fn start(sessions: &mut [RealSession], warden: &Warden, clock: RunClock) -> Result<(), Failure> {
     // The same time for all: what boards have in common is told once.
     let now = clock.now();
-    for session in sessions.iter_mut() {
-        if let Err(error) = session.start(now) {
+    let held = warden.heat.begin(&states(sessions.iter(), now));
+    held.inspect_err(|_| {
+        // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+        let _ = warden.part(None, None);
+    })?;
+    let started = sessions.iter_mut().try_for_each(|session| {
+        session.start(now).map(drop).map_err(|error| {
             let cause = session.display().explain(&error);
             session.display().abandon(&cause);
-            return Err(Failure::Device(cause));
-        }
-    }
+            Failure::Device(cause)
+        })
+    });
+    started.inspect_err(|_| {
+        // Nothing was driven. What cannot be booked of that stays reserved.
+        let _ = warden.heat.end(&states(sessions.iter(), now), true);
+    })?;
     for session in sessions {
         session.skin().begin();
     }

@@ -11,6 +11,7 @@ use palpate_run::unit::{NoLine, UnitReport};
 use palpate_run::{Failure, HeatReport, RemoteHeat};
 
 use super::ends::Watched;
+use super::heat::Heat;
 use crate::link::RemoteUnit;
 use crate::output::note;
 
@@ -20,18 +21,26 @@ const ABANDONED: &str = "the run ended without a word";
 /// A unit with which a session has begun.
 pub struct LinkEnd {
     unit: RemoteUnit,
-    /// What the host does about its Peltier module.
-    heat: Option<RemoteHeat>,
+    /// The Peltier module that the host regulates.
+    module: Option<RemoteHeat>,
+    /// Where heat and dose are booked.
+    heat: Heat,
     lock: BusLock,
     /// The record of a stop, from when outputs may start.
     armed: Option<Armed>,
 }
 
 impl LinkEnd {
-    /// A unit and its lock on this computer, and its module where the bench has one.
-    pub(super) const fn new(unit: RemoteUnit, heat: Option<RemoteHeat>, lock: BusLock) -> Self {
+    /// A unit and its lock on this computer, and its module where the bench has one. Its heat is booked with `heat`.
+    pub(super) const fn new(
+        unit: RemoteUnit,
+        module: Option<RemoteHeat>,
+        heat: Heat,
+        lock: BusLock,
+    ) -> Self {
         Self {
             unit,
+            module,
             heat,
             lock,
             armed: None,
@@ -65,8 +74,8 @@ impl DisplayEnd for LinkEnd {
     }
 
     fn before_call(&mut self, now: Instant, projector: &mut Projector, events: &mut Vec<Event>) {
-        if let Some(heat) = &mut self.heat {
-            heat.turn(now, self.unit.driver(), projector, events);
+        if let Some(module) = &mut self.module {
+            module.turn(now, self.unit.driver(), projector, events);
         }
     }
 
@@ -101,6 +110,10 @@ impl Watched for LinkEnd {
         })
     }
 
+    fn ledger(&self) -> Option<(&Heat, usize)> {
+        Some((&self.heat, 0))
+    }
+
     fn abandon(&mut self, _cause: &str) {
         self.disarm();
     }
@@ -120,6 +133,6 @@ impl Watched for LinkEnd {
     }
 
     fn heat(&self) -> Option<HeatReport> {
-        self.heat.as_ref().map(RemoteHeat::report)
+        self.module.as_ref().map(RemoteHeat::report)
     }
 }

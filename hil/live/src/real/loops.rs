@@ -206,6 +206,8 @@ impl<'a> Turns<'a> {
         let failed = self.session.failure().is_some();
         let off = left.map_or(Ok(()), |cause| Err(left_on(&mut self.session, cause)));
         let left = self.session.display().part(off, failed).err();
+        let guard = self.session.projector().guard();
+        shared.warden.heat.leave(self.finger, end, guard);
         self.tell(Instant::FAR_FUTURE);
         let lateness = pacer.lateness().clone();
         let session = self.session;

@@ -4,6 +4,7 @@ mod bench;
 mod clocked;
 mod ends;
 mod hand;
+mod heat;
 mod link;
 mod loops;
 mod records;
@@ -13,7 +14,8 @@ mod warden;
 pub use bench::{Interfaces, Live, refuse_latched, refuse_slow, unguarded, watch};
 pub use clocked::Clocked;
 pub use ends::lost;
-pub use ends::{RealSkin, Sensed, Watched, begin, leave};
+pub use ends::{RealSkin, Sensed, Watched, beat, begin, leave};
+pub use heat::{Heat, forget};
 pub use link::LinkEnd;
 
 use palpate_buses::guardian::{Latch, Latched};
@@ -98,6 +100,7 @@ fn wired(
             "--replay, --stream: readings from elsewhere drive an emulated bench or a unit only";
         return Err(Failure::Input(expected.into()));
     }
+    refuse_stopped(setup)?;
     let real = real_of(setup)?;
     if !setup.fingers.is_empty() {
         let started = clock::elapsed();
@@ -105,12 +108,14 @@ fn wired(
         outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
         return Ok(outcome);
     }
+    let (setup, heat) = Heat::alone(setup)?;
+    let setup = &setup;
     let run = Running::begin(setup, seed, signals, wanted)?;
     let layout = run.projector.layout();
     let clock = RunClock::start();
     // The guardian last.
     let skin = open_skin(setup, layout, clock, run.keeps_can)?;
-    let live = open_outputs(setup, &run.projector, clock)?;
+    let live = open_outputs(setup, heat, &run.projector, clock)?;
     run.until_end((skin, live), clock, scene_end(setup))
 }
 
@@ -128,18 +133,19 @@ pub fn open_skin(
     Ok(skin::source(setup, layout, Tap::new(can, keeps)))
 }
 
-/// The boards on a bench's adapters, by the run's clock, and the guardian over them.
+/// The boards on a bench's adapters, by the run's clock, and the guardian over them. Their heat is booked with `heat`.
 ///
 /// # Errors
 /// [`Failure`] for an emulated bench, a stop that is latched, or adapters that cannot be opened.
 pub fn open_outputs(
     setup: &Setup,
+    heat: Heat,
     projector: &Projector,
     clock: RunClock,
 ) -> Result<Live, Failure> {
     let (bench, real) = (&setup.bench.value, real_of(setup)?);
     refuse_slow(real, projector.guard())?;
-    Live::open((bench, real), projector.guard().prescale(), clock)
+    Live::open((bench, real), heat, projector.guard().prescale(), clock)
 }
 
 /// Refuses outputs while a stop of them is latched, before anything is opened.
@@ -165,17 +171,23 @@ pub fn met(setup: &Setup, place: &UnitPlace) -> Result<(Setup, Vec<String>), Fai
     Ok((setup, notes))
 }
 
-/// A session with the driver unit of a setup that was [`met`], for as long as it lives the only one of this computer.
+/// A session with the driver unit of a setup that was [`met`], for as long as it lives the only one of this computer. Its heat
+/// is booked with `heat`.
 ///
 /// # Errors
 /// [`Failure::Device`] with why there is none, [`Failure::Guard`] while a stop is kept.
-pub fn open_unit(setup: &Setup, place: &UnitPlace, clock: RunClock) -> Result<LinkEnd, Failure> {
+pub fn open_unit(
+    setup: &Setup,
+    heat: Heat,
+    place: &UnitPlace,
+    clock: RunClock,
+) -> Result<LinkEnd, Failure> {
     let mut unit = RemoteUnit::open(place, delay_ms(setup), clock)?;
     unit.connect()?;
     let hardware = place.hardware();
     let lock = BusLock::take(&hardware).map_err(|e| Failure::Device(e.to_string()))?;
     refuse_stop(place, Latch::of(&hardware).read_locked(&lock))?;
-    Ok(LinkEnd::new(unit, RemoteHeat::of(setup), lock))
+    Ok(LinkEnd::new(unit, RemoteHeat::of(setup), heat, lock))
 }
 
 /// From an onset to its effect on a bench's driver unit.
@@ -201,11 +213,12 @@ fn on_unit(
     if !wanted.quiet {
         notes.iter().for_each(|text| note(text));
     }
+    let (setup, heat) = Heat::alone(&setup)?;
     let setup = &setup;
     let run = Running::begin(setup, seed, signals, wanted)?;
     let (layout, keeps_can) = (run.projector.layout(), run.keeps_can);
     let clock = RunClock::start();
-    let open = || open_unit(setup, place, clock);
+    let open = move || open_unit(setup, heat, place, clock);
     let after = |last: Instant| last + Duration::from_millis(100);
     match input {
         Input::Scene if setup.bench.value.kind == BenchKind::Real => {

@@ -14,6 +14,7 @@ use palpate_run::display_end::{DisplayEnd, OutputEnable};
 
 use super::bench::{clear_words, cut_words};
 use super::clocked::Clocked;
+use super::heat::Heat;
 
 /// The guardian of several fingers. It hears of them only together: a finger that hangs ends in everything off.
 pub(super) struct Warden {
@@ -23,6 +24,7 @@ pub(super) struct Warden {
     ready: Mutex<u32>,
     all: u32,
     has_oe: bool,
+    pub(super) heat: Heat,
 }
 
 /// A lock that a panic elsewhere does not close: who says off must never be kept out.
@@ -31,13 +33,14 @@ fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Warden {
-    pub(super) fn new(guardian: Guardian, fingers: usize, has_oe: bool) -> Self {
+    pub(super) fn new(guardian: Guardian, heat: Heat, fingers: usize, has_oe: bool) -> Self {
         Self {
             guardian: Mutex::new(guardian),
             round: Arc::new(Round::new(fingers)),
             ready: Mutex::new(0),
             all: (0..fingers).fold(0, |all, finger| all | Round::bit(finger)),
             has_oe,
+            heat,
         }
     }
 

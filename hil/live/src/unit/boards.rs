@@ -18,13 +18,18 @@ use palpate_run::Failure;
 
 use super::record::Told;
 use crate::emulate::{Flowed, ServedDisplay};
-use crate::real::{lost, refuse_latched, unguarded, watch};
+use crate::real::{Heat, lost, refuse_latched, unguarded, watch};
 use crate::telling::Teller;
 
 /// What stands behind a unit's bus.
 pub(super) trait Boards {
     /// Before a turn, `since_ns` after the start: time passes there, and the owner of the bus is known to be alive.
     fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure>;
+
+    /// What heat is booked with; nothing of emulated boards.
+    fn ledger(&self) -> Option<&Heat> {
+        None
+    }
 
     /// Whether somebody switches off what this program leaves on.
     fn is_guarded(&self) -> bool {
@@ -105,6 +110,7 @@ impl Boards for Emulated {
 /// switches everything off.
 pub(super) struct Guarded {
     guardian: Rc<RefCell<Guardian>>,
+    heat: Heat,
     line: Option<Blocking>,
     has_oe: bool,
 }
@@ -131,7 +137,7 @@ impl OutputPin for OePin {
 
 impl Guarded {
     /// Opens the adapter; the guardian has switched everything off when this returns. What it found driving is told too.
-    pub(super) fn open(bench: &Bench, real: &Real) -> Result<(Self, String), Failure> {
+    pub(super) fn open(bench: &Bench, real: &Real, heat: Heat) -> Result<(Self, String), Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         let [bus] = &*watch.buses else {
@@ -149,6 +155,7 @@ impl Guarded {
         line.set_pulse(guardian.pulse());
         let opened = Self {
             guardian: Rc::new(RefCell::new(guardian)),
+            heat,
             line: Some(line),
             has_oe: real.oe.is_some(),
         };
@@ -166,6 +173,10 @@ impl Boards for Guarded {
     fn advance(&mut self, since_ns: u64, _teller: &mut Teller) -> Result<(), Failure> {
         let now = Instant::from_micros(since_ns / 1000);
         self.guardian.borrow_mut().beat(now).map_err(lost)
+    }
+
+    fn ledger(&self) -> Option<&Heat> {
+        Some(&self.heat)
     }
 
     fn is_guarded(&self) -> bool {

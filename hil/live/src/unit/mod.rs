@@ -22,7 +22,7 @@ use palpate_unit::{Datagrams, Module, Settings, SettingsError, Unit};
 use std::os::fd::AsFd;
 
 use crate::link::key;
-use crate::real::{refuse_slow, take_priority};
+use crate::real::{Heat, refuse_slow, take_priority};
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};
 pub use record::Record;
@@ -130,7 +130,9 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
                 )));
             }
             refuse_slow_bus(real, &settings).map_err(cannot)??;
-            let (mut boards, found) = Guarded::open(bench, real)?;
+            let mut own = setup.clone();
+            let heat = Heat::of_boards(&mut own)?;
+            let (mut boards, found) = Guarded::open(bench, real, heat)?;
             if real.realtime != Some(false) {
                 let taken = take_priority();
                 taken.or_else(|refused| match real.realtime {
@@ -144,7 +146,11 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
             let Some((line, pin)) = boards.lines() else {
                 return Ok(()); // held once
             };
-            let unit = Unit::new(&settings, line, pin).map_err(cannot)?;
+            let mut unit = Unit::new(&settings, line, pin).map_err(cannot)?;
+            if let Some(memory) = &own.memory {
+                let remembered = unit.remember(memory, shown(monotonic_ns()));
+                remembered.map_err(|e| Failure::Guard(format!("heat of earlier runs: {e}")))?;
+            }
             let i2c = real.i2c.first().map(|path| path.display().to_string());
             teller.tell(&served("real", i2c.as_deref()))?;
             process.run(unit, boards, teller, "real")
@@ -205,6 +211,14 @@ impl Process {
         mut teller: Teller,
         source: &'static str,
     ) -> Result<(), Failure> {
+        let held = boards.ledger().map_or(Ok(()), |heat| {
+            heat.begin(&[(shown(monotonic_ns()), unit.guard())])
+        });
+        if let Err(refused) = held {
+            // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+            let _ = boards.finish(true);
+            return Err(refused);
+        }
         unit.start(shown(monotonic_ns()));
         let turned = self.turns(&mut unit, &mut boards, &mut teller);
         self.record.counts(unit.counts());
@@ -219,12 +233,15 @@ impl Process {
         let t_ns = monotonic_ns();
         let last = boards.advance(t_ns.saturating_sub(self.epoch_ns), &mut teller);
         let off = boards.finish(took);
+        let booked = boards.ledger().map_or(Ok(()), |heat| {
+            heat.end(&[(shown(t_ns), unit.guard())], off == Ok(true))
+        });
         self.record.source = source;
         self.record.served_s = t_ns.saturating_sub(self.epoch_ns) as f64 / 1e9;
         self.record.off = off == Ok(true);
         self.record.emulated = boards.flowed();
         let told = teller.finish(&Told::Record(&self.record));
-        turned.and(last)?;
+        turned.and(last).and(booked)?;
         match off {
             Ok(true) => told,
             Ok(false) => Err(Failure::Device(
@@ -248,6 +265,9 @@ impl Process {
             let late_us = t_ns.saturating_sub(due_ns) / 1000;
             self.record.latest_turn_us = self.record.latest_turn_us.max(late_us);
             boards.advance(t_ns.saturating_sub(self.epoch_ns), teller)?;
+            if let Some(heat) = boards.ledger() {
+                heat.beat(0, shown(t_ns), unit.guard())?;
+            }
             unit.turn(shown(t_ns), &mut self.link);
             self.tell(t_ns, unit, teller)?;
             teller.flush()?;

@@ -30,7 +30,7 @@ use palpate_core::skin::uskin::SCAN_GAP;
 use palpate_core::skin::{
     Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module, Protocol,
 };
-use palpate_core::units::{Board, Channel, Clock, Duration, Milliamps, Point, Prescale};
+use palpate_core::units::{Board, Channel, Clock, Duration, Instant, Milliamps, Point, Prescale};
 
 use crate::failure::Failure;
 use palpate_files::{Setup, Transducer};
@@ -348,7 +348,10 @@ pub fn untextured(
             None => Ok(guard),
         })
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
-    guard.remember(&setup.earlier);
+    if let Some(memory) = &setup.memory {
+        let remembered = guard.remember(memory, Instant::ZERO);
+        remembered.map_err(|e| Failure::Input(format!("heat of earlier runs: {e}")))?;
+    }
 
     let mut output = illusion::output(setup, &display, &guard, peak, (pattern, responses))?;
     if pattern.is_none() {

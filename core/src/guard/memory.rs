@@ -1,0 +1,288 @@
+//! What outlives a guard: heat and dose of the tissue, and what power was spent, in a state of constant size. A guard that
+//! goes on from it has the limits that one long run would have.
+//!
+//! A burst is left out: none is on between two runs.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::decays::DECAYS;
+use super::dose::{Dose, Doses};
+use super::power::Spent;
+use super::table::{LATENT_K, REST_C};
+use super::thermal::{BIN_US, BINS, Budget, Tissue};
+use super::{Booked, Guard};
+use crate::units::{Duration, Instant};
+
+/// No time from a booking to now counts as longer, 30 years: sums of times stay within their type.
+const LONGEST: Duration = Duration::from_millis(1_000_000_000_000);
+/// A burst is booked no further ahead than this.
+const AHEAD: Duration = Duration::from_millis(60_000);
+/// No energy, temperature or dose is larger than this, in any of the units here.
+const MOST: f64 = 1e6;
+
+/// What outlives a guard. By default nothing was ever driven.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory {
+    /// By wire, in the display's order.
+    pub wires: Box<[WireMemory]>,
+    /// Of the fingertip's mean power.
+    pub tip: Spent,
+    /// How much warmer than skin at rest the face of a Peltier module was at most in the last seconds, K.
+    pub face_k: f64,
+}
+
+/// The same of one wire.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WireMemory {
+    /// When this holds, in the time of [`Self::at`].
+    pub now: Instant,
+    /// What is booked lies before this.
+    pub at: Instant,
+    /// Energy that each decay of the tissue still feels, J.
+    pub energy_j: [f64; DECAYS],
+    /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of 250 ms of that time, the last one first.
+    pub bins_ks: [f64; BINS],
+    /// Dose of the tissue.
+    pub doses: Doses,
+    /// No tissue was warmer, degrees C, whatever the energies say; `None` where they say how warm it was.
+    pub most_c: Option<f64>,
+    /// Of the wire's mean power.
+    pub power: Spent,
+}
+
+/// Figures that no guard can have written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected heat and dose in finite figures from zero on, and no booking far ahead")]
+pub struct MemoryError;
+
+impl Spent {
+    fn after(self, elapsed: Duration) -> Self {
+        Self {
+            ago: self.ago + elapsed,
+            ..self
+        }
+    }
+}
+
+/// A wire that was never driven.
+impl Default for WireMemory {
+    fn default() -> Self {
+        Tissue::new().memory(Instant::ZERO, Spent::default())
+    }
+}
+
+impl WireMemory {
+    /// The same once so much time has passed without heat. Where that is unknown nothing has cooled.
+    #[must_use]
+    pub fn after(&self, elapsed: Option<Duration>) -> Self {
+        let elapsed = elapsed.unwrap_or(Duration::ZERO);
+        Self {
+            now: self.now + elapsed,
+            power: self.power.after(elapsed),
+            ..self.clone()
+        }
+    }
+
+    /// Whether a guard can have written it.
+    ///
+    /// # Errors
+    /// [`MemoryError`] when not.
+    pub fn check(&self) -> Result<(), MemoryError> {
+        let doses = [self.doses.omega, self.doses.cem43_min];
+        let figures = self.energy_j.iter().chain(&self.bins_ks).chain(&doses);
+        let mut figures = figures.chain(&self.most_c);
+        let is_whole = figures.all(is_figure) && self.at <= self.now + AHEAD;
+        is_whole.then_some(()).ok_or(MemoryError)
+    }
+}
+
+/// Whether this is a figure of heat. Not a number is none.
+fn is_figure(figure: &f64) -> bool {
+    (0.0..=MOST).contains(figure)
+}
+
+impl Memory {
+    /// The same once so much time has passed without heat. Where that is unknown nothing has cooled.
+    #[must_use]
+    pub fn after(&self, elapsed: Option<Duration>) -> Self {
+        Self {
+            wires: self.wires.iter().map(|wire| wire.after(elapsed)).collect(),
+            tip: self.tip.after(elapsed.unwrap_or(Duration::ZERO)),
+            face_k: self.face_k,
+        }
+    }
+
+    /// The most dose under any wire.
+    #[must_use]
+    pub fn doses(&self) -> Doses {
+        let doses = self.wires.iter().map(|wire| wire.doses);
+        doses.fold(Doses::default(), Doses::max)
+    }
+}
+
+impl Tissue {
+    /// What outlives it, as of `at` of its run.
+    fn memory(&self, at: Instant, power: Spent) -> WireMemory {
+        WireMemory {
+            now: at + self.begun,
+            at: self.at,
+            energy_j: self.energy,
+            // A rounding error may have left a bin of nothing below zero.
+            bins_ks: self.bins.map(|bin| bin.max(0.0)),
+            // What is far beyond any limit is spent in any case.
+            doses: Doses {
+                omega: self.dose.omega.min(MOST),
+                cem43_min: self.dose.cem43_min.min(MOST),
+            },
+            most_c: Some(self.most_c).filter(|c| c.is_finite()),
+            power,
+        }
+    }
+
+    /// Tissue that goes on, as of `at` of this run, from what outlived another's. Its bins keep their place in time, and
+    /// windows begin after the beginning of time.
+    fn recalled(memory: &WireMemory, at: Instant, face_k: f64) -> Self {
+        let (behind, ahead) = (memory.now.since(memory.at), memory.at.since(memory.now));
+        let bins = (at + ahead).as_micros().div_ceil(BIN_US) + BINS as u64;
+        let within = Duration::from_micros(memory.at.as_micros() % BIN_US);
+        let booked = Instant::from_micros(bins.saturating_mul(BIN_US)) + within;
+        let now = (booked + behind.min(LONGEST)) - ahead;
+        let mut tissue = Self {
+            at: booked,
+            begun: now.since(at),
+            energy: memory.energy_j,
+            bins: memory.bins_ks,
+            most_c: memory.most_c.unwrap_or(f64::INFINITY),
+            face_k,
+            rest_k: face_k,
+            ..Self::new()
+        };
+        tissue.dose = Dose::of(memory.doses, tissue.shallow_c());
+        tissue
+    }
+
+    /// The same at `end` of its run, from above whatever heat comes from `at` until then, `joules` at most. Tissue answers a
+    /// joule the less the older that is, so all of it comes last. Meanwhile tissue keeps to the peak, or to what it was.
+    fn reserved(&self, budget: &Budget, (at, end): (Instant, Instant), joules: f64) -> Self {
+        let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
+        let rest_c = REST_C + LATENT_K[0];
+        let most_c = self.shallow_c().max(rest_c + budget.peak_k);
+        let until = self.at.max(end + self.begun);
+        tissue.relax(&mut stretches, until);
+        let first = (at + self.begun).as_micros() / BIN_US;
+        let bins = until.as_micros().div_ceil(BIN_US).saturating_sub(first);
+        for bin in tissue.bins.iter_mut().take(bins as usize) {
+            *bin = bin.max((most_c - rest_c) * BIN_US as f64 * 1e-6);
+        }
+        for energy in &mut tissue.energy {
+            *energy += joules;
+        }
+        tissue.dose.heat(most_c, end.since(at).as_secs_f64());
+        tissue.most_c = most_c;
+        tissue
+    }
+}
+
+impl Guard {
+    /// What outlives it, as of `at`.
+    pub fn memory(&self, at: Instant) -> Memory {
+        self.recorded(at, |wire, tissue| {
+            tissue.memory(at, self.wires[wire].power.spent(at))
+        })
+    }
+
+    /// The most that [`Self::memory`] may become until a `span` after `at`, whatever is driven, and for a burst more: what a
+    /// program that dies leaves on. All power is spent then.
+    pub fn reserve(&self, at: Instant, span: Duration) -> Memory {
+        let end = at + span;
+        // The last burst that begins until then.
+        let reach = self.limits.burst + self.surplus() + self.plant.latency();
+        let tip_nj = self.fingertip.most_nj(at, span);
+        let reserved = self.recorded(end, |wire, tissue| {
+            let Some(heat) = &self.heat else {
+                return tissue.memory(end, Spent::ALL);
+            };
+            let own_nj = self.wires[wire].power.most_nj(at, span).min(tip_nj);
+            let joules = own_nj.saturating_add(self.limits.burst_energy_nj) as f64 * 1e-9;
+            let reserved = tissue.reserved(&heat.budget, (at, end + reach), joules);
+            reserved.memory(end, Spent::ALL)
+        });
+        Memory {
+            tip: Spent::ALL,
+            ..reserved
+        }
+    }
+
+    /// What outlives it as of `at`, wire by wire.
+    fn recorded(&self, at: Instant, of: impl Fn(usize, &Tissue) -> WireMemory) -> Memory {
+        // Without thermal rows nothing is known of any tissue.
+        let unknown = Tissue::new();
+        let tissue = |wire: usize| self.heat.as_ref().and_then(|heat| heat.tissues.get(wire));
+        let wires = 0..self.wires.len();
+        let wires = wires.map(|wire| of(wire, tissue(wire).unwrap_or(&unknown)));
+        Memory {
+            wires: wires.collect(),
+            tip: self.fingertip.spent(at),
+            face_k: self.heat.as_ref().map_or(0.0, |heat| heat.rest.k()),
+        }
+    }
+
+    /// Goes on, as of `at`, from what outlived another guard. For one that has passed nothing yet. Wires that it does not have
+    /// are left out, and those that the other one had not are cold.
+    ///
+    /// # Errors
+    /// [`MemoryError`] for figures that no guard can have written. Nothing has changed then.
+    pub fn remember(&mut self, memory: &Memory, at: Instant) -> Result<(), MemoryError> {
+        memory.wires.iter().try_for_each(WireMemory::check)?;
+        if !is_figure(&memory.face_k) {
+            return Err(MemoryError);
+        }
+        self.fingertip.recall(&memory.tip, at);
+        for (state, wire) in self.wires.iter_mut().zip(&memory.wires) {
+            state.power.recall(&wire.power, at);
+        }
+        if let Some(heat) = &mut self.heat {
+            heat.rest.raise(at, memory.face_k);
+            for (tissue, wire) in heat.tissues.iter_mut().zip(&memory.wires) {
+                *tissue = Tissue::recalled(wire, at, memory.face_k);
+                let (predicted, _) = tissue.bears(&heat.budget, at, memory.face_k);
+                heat.predicted.raise(&predicted);
+            }
+        }
+        Ok(())
+    }
+
+    /// Books bursts that another guard has passed in a run that began at `began`, in order of time. Returns when the last of
+    /// them is over. Wires that it does not have are left out.
+    pub fn repeat(&mut self, began: Instant, bursts: &[(u16, Booked)]) -> Instant {
+        let (latency, shift) = (self.plant.latency(), began.since(Instant::ZERO));
+        let mut bursts: Vec<_> = bursts.iter().collect();
+        bursts.sort_by_key(|(_, burst)| burst.on);
+        let mut over = began;
+        for (wire, burst) in bursts {
+            let (on, off) = (burst.on + shift, burst.off + shift);
+            over = over.max(off);
+            let index = usize::from(*wire);
+            let Some(state) = self.wires.get_mut(index) else {
+                continue;
+            };
+            for bucket in [&mut state.power, &mut self.fingertip] {
+                bucket.left_nj(on);
+                bucket.spend(burst.energy_nj);
+            }
+            if let Some(heat) = &mut self.heat {
+                let tissue = &mut heat.tissues[index];
+                let booking = tissue.booking(on, off, latency);
+                let joules = burst.energy_nj as f64 * 1e-9;
+                let predicted = tissue.heat(&mut heat.budget, booking, joules);
+                heat.predicted.raise(&predicted);
+            }
+        }
+        over
+    }
+}
+
+#[cfg(test)]
+#[path = "memory_tests.rs"]
+mod tests;

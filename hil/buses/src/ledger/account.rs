@@ -1,0 +1,232 @@
+//! A file of the ledger. What it holds is whole and of this version, or it is not believed. It is written to a neighbour
+//! and renamed, so that a death leaves the one or the other.
+
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use nix::errno::Errno;
+use nix::fcntl::{Flock, FlockArg};
+use palpate_core::units::Duration;
+
+use super::LedgerError;
+use crate::pacer::RunClock;
+use crate::shared_file::{create, make, open, open_or_create};
+
+/// What a file begins with.
+const MAGIC: &[u8; 8] = b"palpheat";
+/// Mode of the folder: every user may put a new file in place of another user's.
+const MODE: u32 = 0o777;
+/// Grows when a byte changes what it says.
+const VERSION: u32 = 1;
+/// The magic, the version, the length of what follows.
+const HEAD: usize = 16;
+/// The sum at the end.
+const TAIL: usize = 8;
+/// No file is longer: 4096 wires.
+const MOST: u64 = 4 << 20;
+/// How long a run that has ended may take to let go of its files.
+const PATIENCE: Duration = Duration::from_millis(2000);
+/// Between two tries.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// FNV-1a over 64 bits: another byte anywhere is another sum.
+pub(super) fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3)
+    })
+}
+
+/// A file, and what it held when it was read last.
+#[derive(Debug)]
+pub(super) struct Account {
+    file: PathBuf,
+    read: Option<Vec<u8>>,
+}
+
+/// An account that no other program can write.
+#[derive(Debug)]
+pub(super) struct Held {
+    account: Account,
+    folder: File,
+    _lock: Flock<File>,
+}
+
+impl Account {
+    /// Reads an account of this name.
+    ///
+    /// # Errors
+    /// [`LedgerError::Unreadable`].
+    pub(super) fn open(folder: &Path, name: &str) -> Result<Self, LedgerError> {
+        let mut account = Self {
+            file: folder.join(name),
+            read: None,
+        };
+        account.read = account.bytes()?;
+        Ok(account)
+    }
+
+    /// What it holds; `None` where nothing was kept yet.
+    ///
+    /// # Errors
+    /// [`LedgerError::Unreadable`].
+    pub(super) fn payload(&self) -> Result<Option<&[u8]>, LedgerError> {
+        let read = self.read.as_deref().map(parse).transpose();
+        read.map_err(|why| self.unreadable(why))
+    }
+
+    /// An error of it.
+    pub(super) fn unreadable(&self, why: impl Into<String>) -> LedgerError {
+        LedgerError::Unreadable {
+            file: self.file.clone(),
+            why: why.into(),
+        }
+    }
+
+    fn bytes(&self) -> Result<Option<Vec<u8>>, LedgerError> {
+        let mut bytes = Vec::new();
+        let read =
+            open(&self.file, false).and_then(|file| file.take(MOST).read_to_end(&mut bytes));
+        match read {
+            Ok(_) => Ok(Some(bytes)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(self.unreadable(error.to_string())),
+        }
+    }
+
+    /// Keeps every other program from writing it.
+    ///
+    /// # Errors
+    /// [`LedgerError::Folder`], [`LedgerError::Held`], and [`LedgerError::Changed`] where it no longer holds what was read.
+    pub(super) fn hold(self) -> Result<Held, LedgerError> {
+        let (folder, lock) = self.lock()?;
+        if self.bytes()? != self.read {
+            return Err(LedgerError::Changed(self.file));
+        }
+        Ok(Held {
+            account: self,
+            folder,
+            _lock: lock,
+        })
+    }
+
+    /// Takes the file of this name away; whether there was one.
+    ///
+    /// # Errors
+    /// [`LedgerError::Folder`] and [`LedgerError::Held`].
+    pub(super) fn forget(folder: &Path, name: &str) -> Result<bool, LedgerError> {
+        let account = Self {
+            file: folder.join(name),
+            read: None,
+        };
+        if fs::symlink_metadata(&account.file).is_err() {
+            return Ok(false);
+        }
+        let (folder, _lock) = account.lock()?;
+        let removed = fs::remove_file(&account.file).and_then(|()| folder.sync_all());
+        removed.map_err(|error| account.refused(error))?;
+        Ok(true)
+    }
+
+    fn lock(&self) -> Result<(File, Flock<File>), LedgerError> {
+        let opened = || -> io::Result<(File, File)> {
+            let folder = self.folder();
+            make(folder, MODE)?;
+            Ok((File::open(folder)?, open_or_create(&self.beside("lock"))?))
+        };
+        let (folder, mut file) = opened().map_err(|error| self.refused(error))?;
+        let clock = RunClock::start();
+        loop {
+            match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
+                Ok(lock) => return Ok((folder, lock)),
+                Err((back, Errno::EWOULDBLOCK))
+                    if clock.now().as_micros() < PATIENCE.as_micros() =>
+                {
+                    file = back;
+                    clock.sleep_until(clock.now() + LOOK);
+                }
+                Err((_, Errno::EWOULDBLOCK)) => return Err(LedgerError::Held(self.file.clone())),
+                Err((_, errno)) => return Err(self.refused(errno.into())),
+            }
+        }
+    }
+
+    fn folder(&self) -> &Path {
+        self.file.parent().unwrap_or(Path::new("/"))
+    }
+
+    fn refused(&self, error: io::Error) -> LedgerError {
+        LedgerError::Folder {
+            folder: self.folder().to_owned(),
+            error,
+        }
+    }
+
+    /// A file beside it.
+    fn beside(&self, ending: &str) -> PathBuf {
+        let mut name = self.file.clone().into_os_string();
+        name.push(".");
+        name.push(ending);
+        name.into()
+    }
+}
+
+impl Held {
+    /// Puts this in place of what it holds; it is on the disk when this returns.
+    ///
+    /// # Errors
+    /// What the system says; it holds the one or the other then.
+    pub(super) fn write(&self, payload: &[u8]) -> io::Result<()> {
+        let neighbour = self.account.beside("new");
+        match fs::remove_file(&neighbour) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut file = create(&neighbour)?;
+        file.write_all(&whole(payload))?;
+        file.sync_all()?;
+        fs::rename(&neighbour, &self.account.file)?;
+        self.folder.sync_all()
+    }
+}
+
+/// A file with this in it.
+fn whole(payload: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEAD + payload.len() + TAIL);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&(payload.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(payload);
+    bytes.extend_from_slice(&checksum(&bytes).to_le_bytes());
+    bytes
+}
+
+/// What a file holds, or why it is not believed.
+fn parse(bytes: &[u8]) -> Result<&[u8], String> {
+    let cut = || "it is cut or damaged".to_owned();
+    let number = |at: usize| -> Option<u32> {
+        let bytes = bytes.get(at..)?.first_chunk()?;
+        Some(u32::from_le_bytes(*bytes))
+    };
+    if !bytes.starts_with(MAGIC) {
+        return Err(cut());
+    }
+    let version = number(MAGIC.len()).ok_or_else(cut)?;
+    if version != VERSION {
+        return Err(format!(
+            "expected version {VERSION}, found {version}: another version of this program wrote it"
+        ));
+    }
+    let length = number(MAGIC.len() + 4).ok_or_else(cut)? as usize;
+    let (told, sum) = bytes.split_last_chunk::<TAIL>().ok_or_else(cut)?;
+    let payload = told.get(HEAD..).filter(|payload| payload.len() == length);
+    let payload = payload.ok_or_else(cut)?;
+    match checksum(told) == u64::from_le_bytes(*sum) {
+        true => Ok(payload),
+        false => Err(cut()),
+    }
+}
+
+#[cfg(test)]
+#[path = "account_tests.rs"]
+mod tests;
