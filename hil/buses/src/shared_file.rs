@@ -1,7 +1,7 @@
 //! Files that all users of a machine share, in folders where anybody may write: no link is followed, no pipe is waited
 //! for, and a file of a newer version is refused.
 
-use std::fs::{File, OpenOptions, Permissions};
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::Path;

@@ -49,12 +49,7 @@ pub enum Went {
 impl Player {
     /// A bench on which nothing was played yet. What was rehearsed on it need not be again.
     #[must_use]
-    pub fn new(
-        stimuli: Stimuli,
-        rehearsals: Rehearsals,
-        seed: u64,
-        desk: Option<Desk>,
-    ) -> Self {
+    pub fn new(stimuli: Stimuli, rehearsals: Rehearsals, seed: u64, desk: Option<Desk>) -> Self {
         Self {
             stimuli,
             rehearsals,

@@ -18,8 +18,8 @@ mod server;
 mod sweep;
 
 pub use client::{Guardian, Lost, StartError};
-pub(crate) use latch::{folder as state_folder, remedy};
 pub use latch::{Armed, Latch, Latched, stops_folder};
+pub(crate) use latch::{folder as state_folder, remedy};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
 

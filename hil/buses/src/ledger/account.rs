@@ -85,8 +85,7 @@ impl Account {
 
     fn bytes(&self) -> Result<Option<Vec<u8>>, LedgerError> {
         let mut bytes = Vec::new();
-        let read =
-            open(&self.file, false).and_then(|file| file.take(MOST).read_to_end(&mut bytes));
+        let read = open(&self.file, false).and_then(|file| file.take(MOST).read_to_end(&mut bytes));
         match read {
             Ok(_) => Ok(Some(bytes)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
