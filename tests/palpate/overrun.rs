@@ -388,3 +388,21 @@ fn an_emulated_bench_goes_on_by_itself() {
     assert!(notes.contains(&"stopped: overrun"));
     assert!(notes.iter().any(|n| n.contains("stop ended")));
 }
+
+#[test]
+fn time_that_nobody_saw_ends_a_run_on_hardware_and_stops_an_emulated_one_for_a_while() {
+    for (policy, goes_on) in [(Policy::REAL, false), (Policy::EMULATED, true)] {
+        let mut session = session(Fault::Hangs(0), false, policy);
+        session.advance(at(1500)).unwrap();
+        let unseen = session.unseen(at(1700), Duration::ZERO, "nobody looked");
+        assert_eq!(unseen, goes_on);
+        assert!(session.projector().guard().latched().is_some());
+        assert_eq!(session.display().kept.len(), usize::from(!goes_on));
+        assert_eq!(session.failure().is_some(), !goes_on);
+        if goes_on {
+            assert_ne!(session.turn(at(1700)).unwrap(), Turn::Last);
+            assert_ne!(session.advance(at(1900)).unwrap(), Turn::Last);
+            assert_eq!(session.projector().guard().latched(), None);
+        }
+    }
+}

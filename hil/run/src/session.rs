@@ -314,8 +314,12 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         let off = self
             .projector
             .all_off(now, Cause::LateTick, banks, &mut self.recorder);
-        if off.is_err() {
+        if let Err(error) = &off {
             self.cut();
+            // A run that goes on lifts the line again once the bus answers.
+            if self.policy.latch == LatchPolicy::Reopens && !self.supervisor.is_lost() {
+                self.wait_for_bus(error);
+            }
         }
         let stopped = match self.overrun() {
             Some(overrun) => format!("{cause}; {overrun}"),

@@ -365,6 +365,7 @@ impl Bench {
     pub fn records(&self) -> Vec<(PathBuf, String)> {
         let entries = fs::read_dir(self.path("state")).unwrap();
         let files = entries.map(|entry| entry.unwrap().path());
+        let files = files.filter(|path| path.extension().is_some_and(|e| e == "stop"));
         let read = |path: PathBuf| (path.clone(), fs::read_to_string(path).unwrap());
         files.map(read).collect()
     }

@@ -1,5 +1,6 @@
 //! A program that was started on a bench: what it drives, who guards it, and what becomes of it.
 
+use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ExitStatus};
@@ -81,12 +82,12 @@ impl<'a> Run<'a> {
 
     #[track_caller]
     fn wait_for(&self, so: impl Fn() -> bool) {
-        let mut seen = false;
+        let seen = Cell::new(false);
         is_soon(ON, || {
-            seen = so();
-            seen || self.ended().is_some()
+            seen.set(so());
+            seen.get() || self.ended().is_some()
         });
-        assert!(seen, "it does not drive: {:?}", self.texts());
+        assert!(seen.get(), "it does not drive: {:?}", self.texts());
     }
 
     /// The guardian's process, of a run that was on.

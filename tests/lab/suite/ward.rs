@@ -80,7 +80,7 @@ pub fn patiently(mut attempt: impl FnMut() -> Result<(), TooSlow>) {
 
 /// From now on no heat and no dose is booked: what a death leaves would keep the next run from driving at once.
 pub fn cool() {
-    sh("rm -f /var/lib/palpate/*.heat /var/lib/palpate/*.dose");
+    sh("rm -rf /var/lib/palpate/heat");
 }
 
 /// The emulator with everything that runs on it needs.

@@ -40,6 +40,11 @@ mod pico {
     }
 
     #[test]
+    fn a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading() {
+        super::a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading(PICO);
+    }
+
+    #[test]
     fn a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first() {
         super::a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first(PICO);
     }

@@ -1,7 +1,7 @@
 //! Tests of `latch.rs`.
 
 use super::*;
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 
 /// What nobody wrote another cause for.
 const ENDED: &str = "it ended without a word";

@@ -1,5 +1,7 @@
 //! Accounts from run to run: what a death leaves booked, what a clean end does, and what is not known.
 
+use std::fs;
+
 use palpate_core::guard::{HARD, Plant, Used, WireMemory};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;

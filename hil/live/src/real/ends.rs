@@ -233,16 +233,19 @@ fn settle<S: SkinEnd, D: Watched>(
 }
 
 /// Looks around before a turn: for time that nobody saw, for who watches over the display, for what befell its buses. Whether
-/// the run may go on.
+/// the run may go on. A stop for unseen time calls `at_once` before it switches anything off.
 pub(super) fn goes_on<S: Sensed, D: Watched>(
     session: &mut Session<S, D>,
     watch: &mut Watch,
     now: Instant,
+    at_once: impl FnOnce(),
 ) -> bool {
-    if let Some(unseen) = watch.look(now)
-        && !session.unseen(now, unseen.uncounted(), &unseen.to_string())
-    {
-        return false;
+    if let Some(unseen) = watch.look(now) {
+        // Other loops do not wait for this one's bus.
+        at_once();
+        if !session.unseen(now, unseen.uncounted(), &unseen.to_string()) {
+            return false;
+        }
     }
     if let Err(failure) = beat(session, now) {
         session.set_failure(failure);

@@ -240,8 +240,9 @@ impl<'a> Turns<'a> {
     /// Before a turn: this finger's part of the heartbeat, signals, records.
     fn goes_on(&mut self, now: Instant) -> bool {
         let shared = self.shared;
-        if !goes_on(&mut self.session, &mut self.watch, now) {
-            shared.over.store(true, Ordering::Relaxed);
+        let over = || shared.over.store(true, Ordering::Relaxed);
+        if !goes_on(&mut self.session, &mut self.watch, now, over) {
+            over();
             return false;
         }
         if shared.signals.caught().is_some() || shared.is_over() {

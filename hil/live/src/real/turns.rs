@@ -107,7 +107,7 @@ impl Turns<'_> {
         session: &mut Session<S, D>,
         now: Instant,
     ) -> bool {
-        if !goes_on(session, &mut self.watch, now) {
+        if !goes_on(session, &mut self.watch, now, || ()) {
             return false;
         }
         if let Some(signal) = self.signals.caught() {

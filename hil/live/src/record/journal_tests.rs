@@ -172,7 +172,7 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
 
 #[test]
 fn a_pipe_that_nobody_reads_is_given_up_at_the_end() {
-    let (reader, writer) = std::io::pipe().unwrap();
+    let (reader, writer) = io::pipe().unwrap();
     let path = PathBuf::from(format!("/proc/self/fd/{}", writer.as_raw_fd()));
     let names = ["test0".to_owned()];
     let files = [(Format::Candump, path)];

@@ -133,7 +133,7 @@ impl Table {
     /// The cells that name a row.
     pub(super) fn key(&self, row: &[String]) -> Vec<String> {
         let cells = self.columns.iter().zip(row);
-        let keys = cells.filter(|(column, _)| column.role == Role::Key);
+        let keys = cells.filter(|(column, _)| column.role == Key);
         keys.map(|(_, cell)| cell.clone()).collect()
     }
 
