@@ -84,8 +84,8 @@ fn played(bench: &Bench, length_s: f64) -> Played {
 
 /// The file of this ending in the folder of what outlives a run.
 fn kept(bench: &Bench, ending: &str) -> Option<PathBuf> {
-    let entries = fs::read_dir(bench.path("state/heat")).unwrap();
-    let mut files = entries.map(|entry| entry.unwrap().path());
+    let entries = fs::read_dir(bench.path("state/heat"));
+    let mut files = entries.ok()?.map(|entry| entry.unwrap().path());
     files.find(|path| path.extension().is_some_and(|e| e == ending))
 }
 

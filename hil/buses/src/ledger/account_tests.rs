@@ -105,6 +105,9 @@ fn what_cannot_be_read_or_kept_is_refused_with_the_way_out() {
         read: None,
     };
     let text = account.hold().unwrap_err().to_string();
-    assert!(text.contains("`sudo install -d -m 1777 /dev/null`"), "{text}");
+    assert!(
+        text.contains("`sudo install -d -m 1777 /dev/null`"),
+        "{text}"
+    );
     fs::remove_dir_all(&folder).unwrap();
 }

@@ -108,6 +108,7 @@ fn wired(
         outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
         return Ok(outcome);
     }
+    refuse_slow(real, build(setup, seed, Levels::Off)?.guard())?;
     let (setup, heat) = Heat::alone(setup)?;
     let setup = &setup;
     let run = Running::begin(setup, seed, signals, wanted)?;
@@ -299,10 +300,6 @@ impl<'a> Running<'a> {
         let started = clock::elapsed();
         let scene = &setup.scene.value;
         let projector = build(setup, seed, levels(setup, seed)?)?;
-        let bench = &setup.bench.value;
-        if let Some(real) = bench.real.as_ref().filter(|_| bench.unit.is_none()) {
-            refuse_slow(real, projector.guard())?;
-        }
         let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
         let writes = |format: Format| wanted.files.iter().any(|(other, _)| *other == format);
         let decoded = || Readings::whole(projector.layout(), scene.drives);

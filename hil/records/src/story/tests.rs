@@ -164,6 +164,9 @@ fn what_no_golden_has_there_is_refused() {
         assert!(text.contains(from), "{from}");
         text.replacen(from, to, 1)
     };
+    let mut bursts = text.lines().skip_while(|line| !line.starts_with("bursts:"));
+    let burst = bursts.nth(1).unwrap();
+    let zeroed = format!("  0{}", burst.trim_start());
     for (text, word) in [
         (with("seed 7", "sead 7"), "`seed ..` in the header"),
         (with("tau_d 35", "tau-d 35"), "`tau_d ..` in the header"),
@@ -174,7 +177,7 @@ fn what_no_golden_has_there_is_refused() {
             with("it is not 35", "it is not 36"),
             "where it is not 35.000 ms",
         ),
-        (with("   994500 ", "   0994500 "), "an onset"),
+        (with(burst, &zeroed), "an onset"),
         (
             with("\n     1     0:1", "\n     0     0:1"),
             "each row once",
