@@ -32,7 +32,7 @@ pub struct Memory {
     pub face_k: f64,
 }
 
-/// The same of one wire.
+/// Heat, dose and power of one wire.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WireMemory {
     /// When this holds, in the time of [`Self::at`].
@@ -73,7 +73,7 @@ impl Default for WireMemory {
 }
 
 impl WireMemory {
-    /// The same once so much time has passed without heat. Where that is unknown nothing has cooled.
+    /// Memory once so much time has passed without heat. Where that is unknown nothing has cooled.
     #[must_use]
     pub fn after(&self, elapsed: Option<Duration>) -> Self {
         let elapsed = elapsed.unwrap_or(Duration::ZERO);
@@ -103,7 +103,7 @@ fn is_figure(figure: &f64) -> bool {
 }
 
 impl Memory {
-    /// The same once so much time has passed without heat. Where that is unknown nothing has cooled.
+    /// Memory once so much time has passed without heat. Where that is unknown nothing has cooled.
     #[must_use]
     pub fn after(&self, elapsed: Option<Duration>) -> Self {
         Self {
@@ -162,7 +162,7 @@ impl Tissue {
         tissue
     }
 
-    /// The same at `end` of its run, from above whatever heat comes from `at` until then, `joules` at most. Tissue answers a
+    /// Tissue at `end` of its run, from above whatever heat comes from `at` until then, `joules` at most. Tissue answers a
     /// joule the less the older that is, so all of it comes last. Meanwhile tissue keeps to the peak, or to what it was.
     fn reserved(&self, budget: &Budget, (at, end): (Instant, Instant), joules: f64) -> Self {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);

@@ -113,7 +113,7 @@ impl Desk {
     fn write(&self, mut out: impl Write) {
         let mut taken = Vec::new();
         loop {
-            let idle = |w: &mut Waiting| !w.is_over && !(w.is_due && !w.bytes.is_empty());
+            let idle = |w: &mut Waiting| !w.is_over && (!w.is_due || w.bytes.is_empty());
             let waited = self.changed.wait_while(self.waiting(), idle);
             let mut waiting = waited.unwrap_or_else(PoisonError::into_inner);
             if waiting.is_over {

@@ -152,7 +152,7 @@ impl Latch {
         self.found(false)
     }
 
-    /// The same, and what an earlier run left armed: under its hardware's lock no run is on.
+    /// What it holds, and what an earlier run left armed: under its hardware's lock no run is on.
     pub fn read_locked(&self, _lock: &BusLock) -> Option<Latched> {
         self.found(true)
     }

@@ -124,10 +124,10 @@ impl Heat {
         Self::read(hardware, &accounts, (fingertips, &whose[..]), way_out)
     }
 
-    /// The same of a bench with one display: the setup that its guard goes on from.
+    /// Reads the accounts of a bench with one display. Returns the setup that its guard goes on from.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with what to type.
     pub fn alone(setup: &Setup) -> Result<(Setup, Self), Failure> {
         let mut alone = [setup.clone()];
         let heat = Self::open(&setup.bench, &mut alone)?;
@@ -135,10 +135,10 @@ impl Heat {
         Ok((setup, heat))
     }
 
-    /// The same of boards that are a unit's here.
+    /// Reads the accounts of boards that are a unit's here.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with what to type.
     pub fn of_boards(setup: &mut Setup) -> Result<Self, Failure> {
         let (adapters, way_out) = (of_adapters(&setup.bench)?, way_out(&setup.bench, &[]));
         let accounts: Vec<String> = adapters.iter().map(|name| of_boards(name)).collect();

@@ -264,7 +264,8 @@ fn another_session_does_not_go_on_with_a_record() {
         ..about()
     };
     assert_eq!(own.differs(&later), None);
-    let changes: [(&str, fn(&mut About)); 8] = [
+    type Change = fn(&mut About);
+    let changes: [(&str, Change); 8] = [
         ("protocol", |of| of.protocol_digest = "q".into()),
         ("participant", |of| of.participant = 2),
         ("seed", |of| of.seed = 2),
