@@ -65,12 +65,14 @@ impl Guard {
     }
 
     /// Ends what has ended by `at` on one board. `None` where nothing has.
+    #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
         let update = self.expire(at, board);
         update.changes().then(|| self.observed(&update))
     }
 
     /// Emulated registers hold what was observed: every current in it was set.
+    #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn confirm_observed(&mut self, update: &Observed) {
         let current = |channel: u8| {
             let slot = update.currents.get(usize::from(channel));

@@ -16,6 +16,8 @@ mod shares;
 mod stroke;
 mod surface;
 mod timing;
+// The projector alone follows places (see `lib.rs`).
+#[cfg(target_has_atomic = "ptr")]
 mod track;
 
 pub use cells::Cells;
@@ -29,4 +31,5 @@ pub use model::{Distances, IllusionModel, ModelSettings, ShapeChoice, build, inv
 pub use stroke::{Dab, Planned, Stroke, StrokeError};
 pub use surface::Surface;
 pub use timing::{LONGEST, TimingError, TimingLaw};
+#[cfg(target_has_atomic = "ptr")]
 pub(crate) use track::Tracks;
