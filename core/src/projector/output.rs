@@ -207,9 +207,9 @@ impl Output {
         guarded.into_iter().flatten().fold(onset, Instant::min)
     }
 
-    /// Ends what has ended and, when an onset is due, projects `targets` with the `texture` that is felt now. An
-    /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens. What a
-    /// dead source wants is not projected.
+    /// Ends what has ended and, when an onset is due, projects `targets` with the `texture` that is felt now. Of onsets
+    /// that were missed, all but the newest are left out, and of that one each stimulus that would be over by now: the grid
+    /// from t = 0 stands whatever happens. What a dead source wants is not projected.
     ///
     /// The guard only looks on where the actuators are emulated registers, which take [`Observed`](crate::guard::Observed):
     /// they get every stimulus as it is, and the observer hears what the guard would have changed, refused or stopped.
@@ -278,7 +278,12 @@ impl Output {
                 *weave = None; // the widths are the stroke's now
             }
             self.activate(onset, &[target], Some(dab.duration));
-            self.render(onset, Some(onset + dab.duration), actuators, observer)?;
+            self.render(
+                now,
+                (onset, Some(onset + dab.duration)),
+                actuators,
+                observer,
+            )?;
             observer.onset(onset, &[target]);
             return Ok(true);
         }
@@ -289,7 +294,7 @@ impl Output {
             if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
                 && let Some((at, until)) = weave.due(now)
             {
-                self.render(at, Some(until), actuators, observer)?;
+                self.render(now, (at, Some(until)), actuators, observer)?;
             } else {
                 self.expire(now, actuators)?;
             }
@@ -301,7 +306,7 @@ impl Output {
         let woven = texture.is_some() && matches!(self.texture, Some(Texture::Contacts(_)));
         self.activate(onset, targets, woven.then_some(self.timing.duration));
         let until = self.weave(onset, texture);
-        self.render(onset, until, actuators, observer)?;
+        self.render(now, (onset, until), actuators, observer)?;
         observer.onset(onset, targets);
         Ok(true)
     }
@@ -360,7 +365,7 @@ impl Output {
             }
         }
         if let Some((at, until)) = due {
-            self.render(at, Some(until), actuators, observer)?;
+            self.render(now, (at, Some(until)), actuators, observer)?;
         } else {
             self.expire(now, actuators)?;
         }
@@ -388,13 +393,13 @@ impl Output {
     /// The wires' stimuli, from an onset to an end or to each wire's own, through the guard and out.
     fn render<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
-        onset: Instant,
-        until: Option<Instant>,
+        now: Instant,
+        (onset, until): (Instant, Option<Instant>),
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
         for board in 0..=self.boards {
-            let count = self.collect(Board(board), onset, until);
+            let count = self.collect(now, Board(board), (onset, until));
             let (guard, stimuli) = (&mut self.guard, &self.stimuli[..count]);
             let update = U::begin(guard, onset, Board(board), stimuli, |entry| {
                 observer.entry(&entry);
@@ -444,17 +449,28 @@ impl Output {
         self.mixer.last(&mut self.lengths, self.timing.duration);
     }
 
-    /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant, until: Option<Instant>) -> usize {
+    /// Stimuli of the active wires of one board that go on after `now`; returns how many.
+    fn collect(
+        &mut self,
+        now: Instant,
+        board: Board,
+        (onset, until): (Instant, Option<Instant>),
+    ) -> usize {
+        let most = onset + self.guard.limits().burst;
         let mut count = 0;
         for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
             if wire.board != board || width.get() == 0 {
                 continue;
             }
+            let until = until.unwrap_or(onset + self.lengths[index]);
+            if until.min(most) <= now {
+                // The guard counts a burst from its onset: this one would be an overrun that no wire has seen.
+                continue;
+            }
             self.stimuli[count] = Stimulus {
                 wire: index as u16, // a display has at most 256 wires
                 at: onset,
-                until: until.unwrap_or(onset + self.lengths[index]),
+                until,
                 ..self.share.of(width)
             };
             count += 1;

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::*;
 use crate::guard::{Guarded, Plant};
 use crate::illusion::{Display, DisplayWire, ModelSettings, Target, TimingLaw, build};
-use crate::schedule::{Entry, Reason};
+use crate::schedule::{Entry, Reason, Timing};
 use crate::units::{Channel, Duration, Point};
 
 /// The call that failed.
@@ -77,6 +77,10 @@ const fn us(us: u64) -> Instant {
 }
 
 fn output() -> Output {
+    output_with(TimingLaw::default().timing(None, None).unwrap())
+}
+
+fn output_with(timing: Timing) -> Output {
     let wire = |n: u8| DisplayWire {
         place: Point::new(10.0 * f32::from(n), 0.0),
         board: Board(n),
@@ -84,7 +88,6 @@ fn output() -> Output {
     };
     let display = Display::new(&[wire(0), wire(1)]).unwrap();
     let law = build(&display, &ModelSettings::default()).unwrap();
-    let timing = TimingLaw::default().timing(None, None).unwrap();
     let builder = Output::builder(display).plant(Plant::default());
     builder.illusion(law, timing).build().unwrap()
 }
@@ -263,4 +266,37 @@ fn what_is_still_on_is_counted_so() {
     let on = output.guard().overrun().map(|found| found.on);
     assert_eq!(on, Some(Duration::from_millis(500)));
     assert_eq!(told.offs, vec![]);
+}
+
+#[test]
+fn a_stimulus_that_is_over_when_its_turn_comes_is_left_out_and_no_overrun() {
+    let soa_us = 117_000;
+    // What a burst may not be longer than ends the second.
+    for (length_us, over_us) in [(38_000, 38_000), (90_000, 50_000)] {
+        let [length, soa] = [length_us, soa_us].map(Duration::from_micros);
+        let timing = TimingLaw::default().timing(Some(length), Some(soa));
+        for late_us in [0, over_us - 1, over_us, soa_us - 1] {
+            let (mut boards, mut told) = (Boards::default(), Told::default());
+            let mut output = output_with(timing.unwrap());
+            let now = us(10 * soa_us + late_us);
+            output.hear(now);
+            let polled = output.poll(now, &[BETWEEN], None, &mut boards, &mut told);
+            assert_eq!(polled, Ok(true));
+            let is_driven = late_us < over_us;
+            assert_eq!(boards.updates, 2 * u32::from(is_driven), "{late_us}");
+            assert_eq!(output.guard().next_expiry().is_some(), is_driven);
+            // What is driven ends in its time, the next comes in its own.
+            let mut next = output.next();
+            if is_driven {
+                assert!(next <= us(10 * soa_us + over_us), "{next:?}");
+                next = next.max(now);
+                output.hear(next);
+                let ended = output.poll(next, &[], None, &mut boards, &mut told);
+                assert_eq!((ended, boards.updates), (Ok(false), 4));
+                next = output.next();
+            }
+            assert_eq!(next, us(11 * soa_us));
+            assert_eq!((output.guard().overrun(), boards.offs), (None, 0));
+        }
+    }
 }
