@@ -88,6 +88,22 @@ pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
     }
 }
 
+/// The real-time priority of the calling thread (SCHED_FIFO, 1 to 99), where it has one.
+#[allow(unsafe_code)]
+pub fn fifo_priority() -> Option<u8> {
+    let mut policy = 0;
+    // SAFETY: integers, for which zero is a value.
+    let mut parameters: libc::sched_param = unsafe { std::mem::zeroed() };
+    // SAFETY: the calling thread is there; both places are written during the call only.
+    let result = unsafe {
+        libc::pthread_getschedparam(libc::pthread_self(), &raw mut policy, &raw mut parameters)
+    };
+    let is_known = result == 0 && policy == libc::SCHED_FIFO;
+    u8::try_from(parameters.sched_priority)
+        .ok()
+        .filter(|_| is_known)
+}
+
 /// No core dump of this program: while one is written the program counts as alive, its sockets stay open,
 /// and a caller that waits for its end waits.
 ///

@@ -25,6 +25,7 @@ use tokio::sync::oneshot::{self, error::TryRecvError};
 use tokio::time::{Instant, MissedTickBehavior, interval_at, sleep};
 
 use crate::pulse::Pulse;
+use crate::sys::{fifo_priority, set_fifo_priority};
 
 /// What transfers: an adapter of the system, or a test's double.
 pub trait Adapter: Send {
@@ -68,6 +69,8 @@ struct Request {
     address: u8,
     write: Vec<u8>,
     read: usize,
+    /// The real-time priority of who waits for the answer.
+    priority: Option<u8>,
     answer: oneshot::Sender<Answer>,
 }
 
@@ -86,11 +89,17 @@ pub struct Line {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the thread of a bus does until its last caller is gone.
+/// What the thread of a bus does until its last caller is gone, with the priority of who waits for it.
 fn serve(mut adapter: impl Adapter, orders: &std::sync::mpsc::Receiver<Request>) {
+    let mut priority = None;
     loop {
         match orders.recv_timeout(REST) {
             Ok(order) => {
+                // An ordinary thread would keep a loop with real-time priority waiting, and its wires on.
+                if priority != order.priority {
+                    priority = order.priority;
+                    let _ = priority.map(set_fifo_priority);
+                }
                 let mut read = vec![0; order.read];
                 let result = adapter.transfer(order.address, &order.write, &mut read);
                 // The answer to a caller that has stopped waiting is dropped.
@@ -153,6 +162,7 @@ impl Line {
             address,
             write: write.to_vec(),
             read: read.len(),
+            priority: fifo_priority(),
             answer,
         };
         let sent = self.requests.as_ref().map(|r| r.send(request));

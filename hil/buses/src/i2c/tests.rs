@@ -111,3 +111,29 @@ fn the_driver_tries_passing_faults_three_times_and_others_once() {
         assert_eq!(bank.bus().last_fault().unwrap().kind, kind);
     }
 }
+
+/// Tells the priority of the thread that transfers.
+struct Ranked(std::sync::mpsc::Sender<Option<u8>>);
+
+impl Adapter for Ranked {
+    fn name(&self) -> String {
+        "ranked".into()
+    }
+
+    fn transfer(&mut self, _: u8, _: &[u8], _: &mut [u8]) -> Result<(), FaultKind> {
+        self.0.send(fifo_priority()).unwrap();
+        Ok(())
+    }
+}
+
+#[test]
+fn the_thread_of_a_bus_has_the_priority_of_who_waits_for_it() {
+    let (told, ranks) = channel();
+    let mut line = Blocking::new(Ranked(told), Duration::from_millis(500)).unwrap();
+    // This test has a thread of its own, and the system may allow it none but the ordinary priority.
+    for wanted in [None, Some(1), Some(2)] {
+        let _ = wanted.map(set_fifo_priority);
+        BlockingI2c::write(&mut line, 0x40, &[0]).unwrap();
+        assert_eq!(ranks.recv(), Ok(fifo_priority()));
+    }
+}
