@@ -92,9 +92,13 @@ fn known(file: &File) -> io::Result<()> {
     refuse_newer(&first[..length], KIND, VERSION)
 }
 
-/// The folder of locks, the same for all users: some systems let root alone write to `/run/lock`.
+/// The folder of locks.
 fn folder() -> &'static Path {
-    let system = Path::new("/run/lock");
+    for_all(Path::new("/run/lock"))
+}
+
+/// A folder for all users: some systems let root alone write to this one.
+fn for_all(system: &Path) -> &Path {
     let is_open = |about: fs::Metadata| about.is_dir() && about.mode() & OTHERS != 0;
     match fs::metadata(system).is_ok_and(is_open) {
         true => system,
@@ -185,16 +189,20 @@ impl BusLock {
     }
 }
 
-/// Who holds a lock on this file, by `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.
+/// Who holds a lock on this file, as far as the system tells.
 fn holder(file: &File) -> Option<u32> {
     let inode = file.metadata().ok()?.ino().to_string();
-    let locks = fs::read_to_string("/proc/locks").ok()?;
+    holder_in(&fs::read_to_string("/proc/locks").ok()?, &inode)
+}
+
+/// Who holds a lock on a file, by lines of `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.
+fn holder_in(locks: &str, inode: &str) -> Option<u32> {
     locks.lines().find_map(|line| {
         let mut words = line.split_whitespace().filter(|w| *w != "->");
         let kind = words.nth(1)?;
         let pid = words.nth(2)?;
         let place = words.next()?;
-        let ours = kind == "FLOCK" && place.rsplit(':').next() == Some(&inode);
+        let ours = kind == "FLOCK" && place.rsplit(':').next() == Some(inode);
         ours.then(|| pid.parse().ok())?
     })
 }

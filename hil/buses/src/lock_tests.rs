@@ -1,5 +1,7 @@
 //! Tests of `lock.rs`.
 
+use sha2::{Digest, Sha256};
+
 use super::*;
 
 /// A folder of locks, gone with the value.
@@ -37,7 +39,11 @@ fn a_second_program_is_refused_and_told_who_has_the_bus() {
         panic!("{refused}");
     };
     // Inside a container the system may keep the number to itself.
-    assert!(pid.is_none_or(|p| p == std::process::id()), "{refused}");
+    let own = std::process::id();
+    let locks_of_all = fs::read_to_string("/proc/locks").unwrap_or_default();
+    let is_told = locks_of_all.contains(&format!(" {own} "));
+    assert_eq!(*pid, is_told.then_some(own), "{refused}");
+    assert_eq!(refused.holder(), who(*pid));
     // Another name of the same hardware is the same; other hardware is not.
     let renamed = locks.take(&hardware("another name", 1)).unwrap_err();
     assert!(renamed.to_string().starts_with("unit another name: in use"));
@@ -45,7 +51,9 @@ fn a_second_program_is_refused_and_told_who_has_the_bus() {
     drop(first);
     locks.take(&hardware("one", 1)).unwrap();
     let nowhere = BusLock::within(&locks.0.join("none"), &hardware("one", 1));
-    assert!(matches!(nowhere, Err(LockError::Open { .. })));
+    let nowhere = nowhere.unwrap_err();
+    assert!(matches!(nowhere, LockError::Open { .. }));
+    assert_eq!(nowhere.holder(), "nobody");
 }
 
 #[test]
@@ -57,6 +65,46 @@ fn a_holder_learns_that_it_is_asked_off_and_its_successor_does_not() {
     assert!(held.is_asked_off());
     drop(held);
     assert!(!locks.take(&hardware("one", 1)).unwrap().is_asked_off());
+}
+
+#[test]
+fn a_holder_is_found_by_the_system_s_list() {
+    let locks = "1: FLOCK  ADVISORY  WRITE 16 fe:00:70 0 EOF\n\
+                 2: POSIX  ADVISORY  WRITE 17 fe:00:80 0 EOF\n\
+                 3: FLOCK  ADVISORY  WRITE 18 fe:00:80 0 EOF\n\
+                 3: -> FLOCK  ADVISORY  WRITE 19 fe:00:90 0 EOF\n";
+    let found = [70, 80, 90, 8].map(|inode| holder_in(locks, &inode.to_string()));
+    assert_eq!(found, [Some(16), Some(18), Some(19), None]);
+    assert_eq!(who(None), "another program");
+    let own = std::process::id();
+    let name = fs::read_to_string("/proc/self/comm").unwrap();
+    assert!(who(Some(own)).starts_with(&format!("process {own} (")));
+    assert!(!name.trim().is_empty() && !who(Some(own)).ends_with("()"));
+}
+
+#[test]
+fn locks_are_where_every_user_may_write() {
+    use std::os::unix::fs::PermissionsExt;
+    let locks = Locks::new("lock-folder");
+    let file = locks.0.join("file");
+    fs::write(&file, "").unwrap();
+    for (place, mode, is_open) in [
+        (&locks.0, 0o777, true),
+        (&locks.0, 0o755, false),
+        (&file, 0o666, false),
+    ] {
+        fs::set_permissions(place, fs::Permissions::from_mode(mode)).unwrap();
+        let found = for_all(place);
+        assert_eq!(found == place, is_open, "{mode:o}");
+        assert!(is_open || found == Path::new("/tmp"));
+    }
+    // By the real one any program asks any other.
+    let own = Sha256::digest(std::process::id().to_string());
+    let own = Hardware::unit("one", &own.into());
+    let held = BusLock::take(&own).unwrap();
+    ask_off(&own).unwrap();
+    assert!(held.is_asked_off());
+    fs::remove_file(file_of(folder(), &own)).unwrap();
 }
 
 #[test]
@@ -99,7 +147,8 @@ fn a_lock_of_a_newer_version_is_refused_and_one_of_an_older_is_taken() {
         let held = locks.take(&one).unwrap();
         assert!(!held.is_asked_off(), "{older:?}");
         drop(held);
-        assert_eq!(fs::read_to_string(&lock).unwrap(), content(&one));
+        let written = fs::read_to_string(&lock).unwrap();
+        assert_eq!(written, "palpate-lock 1\ndriver unit\n");
     }
 }
 

@@ -6,6 +6,7 @@
 //! can clear it, and no user needs a right to the folder of another's.
 
 use std::env;
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -95,7 +96,11 @@ impl Latched {
 
 /// The folder of what outlives every process: the one that `PALPATE_STATE` names, else that of all users.
 pub(crate) fn folder() -> PathBuf {
-    let named = env::var_os("PALPATE_STATE").map(PathBuf::from);
+    folder_by(env::var_os("PALPATE_STATE"))
+}
+
+fn folder_by(named: Option<OsString>) -> PathBuf {
+    let named = named.map(PathBuf::from);
     // A folder that depends on where a program is started loses its stops and heat.
     let named = named.filter(|folder| folder.is_absolute());
     named.unwrap_or_else(|| SYSTEM.into())
@@ -114,7 +119,7 @@ pub fn stops_folder() -> Result<PathBuf, (String, String)> {
     let folder = folder();
     let there = folder.ancestors().find(|folder| folder.exists());
     let there = there.unwrap_or(Path::new("/"));
-    match access(there, AccessFlags::W_OK | AccessFlags::X_OK) {
+    match access(there, AccessFlags::W_OK.union(AccessFlags::X_OK)) {
         Ok(()) => Ok(folder),
         Err(errno) => Err((
             format!(

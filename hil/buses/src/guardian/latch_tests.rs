@@ -1,5 +1,7 @@
 //! Tests of `latch.rs`.
 
+use sha2::{Digest, Sha256};
+
 use super::*;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 
@@ -47,6 +49,13 @@ fn the_first_cause_is_kept_until_a_person_clears_it() {
     assert_eq!(
         (held.cause.as_str(), held.verified),
         ("the run died at once", false)
+    );
+    let written_s = fs::metadata(&latch.file).unwrap().mtime() as u64;
+    assert!(written_s.abs_diff(held.at_s) < 60, "{held:?}");
+    let said = held.refusal(&"the bench");
+    assert!(
+        said.starts_with("the bench: stopped earlier: the run died at once; not everything was"),
+        "{said}"
     );
     armed.latch("something else", true).unwrap();
     let later = latch.read().unwrap();
@@ -136,6 +145,7 @@ fn a_record_that_is_cut_or_damaged_holds() {
             assert!(held.is_some(), "cut at {length}");
         }
         for other in [
+            &[&whole[..], b" "].concat()[..],
             &b"?"[..],
             &[0; RECORD],
             &[b' '; RECORD + 1],
@@ -180,9 +190,67 @@ fn neither_a_link_nor_a_pipe_is_a_record() {
     fs::rename(&latch.file, &target).unwrap();
     std::os::unix::fs::symlink(&target, &latch.file).unwrap();
     assert!(latch.read().is_some(), "a link to a clear record");
-    latch.arm(&lock, ENDED).unwrap_err();
+    let refused = latch.arm(&lock, ENDED).unwrap_err();
+    // No other file is tried to be made in its place.
+    assert!(!refused.contains("exists"), "{refused}");
+    latch.clear(&lock).unwrap_err();
     fs::remove_file(&latch.file).unwrap();
     nix::unistd::mkfifo(&latch.file, nix::sys::stat::Mode::S_IRWXU).unwrap();
     assert!(latch.read().is_some());
     latch.arm(&lock, ENDED).unwrap_err();
+    latch.clear(&lock).unwrap_err();
+}
+
+#[test]
+fn what_is_left_armed_is_a_stop_where_nobody_holds_the_lock() {
+    let stops = Stops::new("look");
+    let own = Hardware::unit(
+        "one",
+        &Sha256::digest(stops.0.to_string_lossy().as_bytes()).into(),
+    );
+    let latch = Latch::within(&stops.0.join("state"), &own);
+    let lock = BusLock::take(&own).unwrap();
+    let mut armed = latch.arm(&lock, ENDED).unwrap();
+    assert_eq!(latch.look(), None, "a run is on");
+    armed.latch("a stop", false).unwrap();
+    assert_eq!(latch.look().unwrap().cause, "a stop");
+    latch.clear(&lock).unwrap();
+    let _armed = latch.arm(&lock, ENDED).unwrap();
+    drop(lock);
+    assert_eq!(latch.look().unwrap().cause, ENDED);
+    // Its file is of this test alone.
+    let lock = format!("palpate-{}.lock", own.file());
+    for folder in ["/run/lock", "/tmp"] {
+        let _ = fs::remove_file(Path::new(folder).join(&lock));
+    }
+}
+
+#[test]
+fn stops_are_in_one_folder_of_all_users_and_count_there_from_any_other() {
+    let system = Path::new(SYSTEM);
+    for (named, folder) in [
+        (None, system),
+        (Some("state"), system),
+        (Some(""), system),
+        (Some("/elsewhere"), Path::new("/elsewhere")),
+    ] {
+        assert_eq!(folder_by(named.map(OsString::from)), folder);
+        let latch = Latch::within(folder, &Stops::hardware());
+        let files: Vec<_> = latch.files().map(|file| file.parent().unwrap()).collect();
+        match folder == system {
+            true => assert_eq!(files, [system]),
+            false => assert_eq!(files, [folder, system]),
+        }
+    }
+    assert!(folder().is_absolute());
+    match stops_folder() {
+        Ok(writable) => assert_eq!(writable, folder()),
+        Err((why, line)) => {
+            let name = folder().display().to_string();
+            assert!(
+                why.starts_with(&name) && line.ends_with(&name),
+                "{why}: {line}"
+            );
+        }
+    }
 }

@@ -25,9 +25,9 @@ const HEAD: usize = 16;
 const TAIL: usize = 8;
 /// No file is longer: 4096 wires.
 const MOST: u64 = 4 << 20;
-/// How long a run that has ended may take to let go of its files.
-const PATIENCE: Duration = Duration::from_millis(2000);
-/// Between two tries.
+/// Tries to hold a file that a run may have yet to let go of when it has ended: two seconds.
+const TRIES: u32 = 200;
+/// Between two of them.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// FNV-1a over 64 bits: another byte anywhere is another sum.
@@ -135,19 +135,15 @@ impl Account {
         };
         let (folder, mut file) = opened().map_err(|error| self.refused(error))?;
         let clock = RunClock::start();
-        loop {
+        for _ in 0..TRIES {
             match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
                 Ok(lock) => return Ok((folder, lock)),
-                Err((back, Errno::EWOULDBLOCK))
-                    if clock.now().as_micros() < PATIENCE.as_micros() =>
-                {
-                    file = back;
-                    clock.sleep_until(clock.now() + LOOK);
-                }
-                Err((_, Errno::EWOULDBLOCK)) => return Err(LedgerError::Held(self.file.clone())),
+                Err((back, Errno::EWOULDBLOCK)) => file = back,
                 Err((_, errno)) => return Err(self.refused(errno.into())),
             }
+            clock.sleep_until(clock.now() + LOOK);
         }
+        Err(LedgerError::Held(self.file.clone()))
     }
 
     fn folder(&self) -> &Path {
@@ -177,10 +173,8 @@ impl Held {
     /// What the system says; it holds the one or the other then.
     pub(super) fn write(&self, payload: &[u8]) -> io::Result<()> {
         let neighbour = self.account.beside("new");
-        match fs::remove_file(&neighbour) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+        // What cannot be taken away is still there when another is made.
+        let _ = fs::remove_file(&neighbour);
         let mut file = create(&neighbour)?;
         file.write_all(&whole(payload))?;
         file.sync_all()?;

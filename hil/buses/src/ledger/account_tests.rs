@@ -73,8 +73,14 @@ fn an_account_has_one_holder() {
     first.write(b"x").unwrap();
     let refused = Account::forget(&folder, "b.dose").unwrap_err();
     assert!(matches!(refused, LedgerError::Held(_)), "{refused}");
-    drop(first);
+    // Who lets go within two seconds is waited for.
+    let (held, soon) = (first, RunClock::start());
+    let late = std::thread::spawn(move || {
+        soon.sleep_until(soon.now() + Duration::from_millis(300));
+        drop(held);
+    });
     open().hold().unwrap();
+    late.join().unwrap();
     fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -36,8 +36,8 @@ pub(super) struct Kept {
 impl Kept {
     fn words(&self) -> Vec<u64> {
         let (output, wire) = (self.output, &self.wire);
-        let place = [output.bus, output.board, output.channel].map(u64::from);
-        let place = place[0] << 16 | place[1] << 8 | place[2];
+        let place = [0, 0, 0, 0, 0, output.bus, output.board, output.channel];
+        let place = u64::from_be_bytes(place);
         let spent = |spent: &Spent| [spent.pj, spent.ago.as_micros()];
         let times = [self.uptime.us, wire.now.as_micros(), wire.at.as_micros()];
         let doses = [wire.doses.omega, wire.doses.cem43_min, self.face_k];

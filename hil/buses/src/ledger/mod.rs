@@ -75,7 +75,7 @@ pub struct Ledger {
 }
 
 /// The folder of all accounts: renaming over another user's file is what the sticky folder of stops does not allow.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     state_folder().join("heat")
 }
 
@@ -87,35 +87,26 @@ fn dose_of(wearer: &str) -> String {
     format!("{wearer}.dose")
 }
 
-/// Forgets heat and dose: a person's decision. Whether there was any.
+/// Forgets heat and dose in a folder of accounts: a person's decision. Whether there was any.
 ///
 /// # Errors
 /// [`LedgerError::Held`] while a run books there, and what the system says.
-pub fn forget(hardware: &[String], wearers: &[String]) -> Result<bool, LedgerError> {
-    let folder = folder();
+pub fn forget(folder: &Path, hardware: &[String], wearers: &[String]) -> Result<bool, LedgerError> {
     let heat = hardware.iter().map(|name| heat_of(name));
     let names = heat.chain(wearers.iter().map(|name| dose_of(name)));
     let mut is_any = false;
     for name in names {
-        is_any |= Account::forget(&folder, &name)?;
+        is_any |= Account::forget(folder, &name)?;
     }
     Ok(is_any)
 }
 
 impl Ledger {
-    /// Reads what is known of hardware and wearers, by their names, for these fingertips.
+    /// Reads what a folder of accounts has of hardware and wearers, by their names, for these fingertips.
     ///
     /// # Errors
     /// [`LedgerError::Unreadable`].
     pub fn open(
-        hardware: &[String],
-        wearers: &[String],
-        fingertips: Vec<Fingertip>,
-    ) -> Result<Self, LedgerError> {
-        Self::within(&folder(), (hardware, wearers), fingertips)
-    }
-
-    fn within(
         folder: &Path,
         (hardware, wearers): (&[String], &[String]),
         fingertips: Vec<Fingertip>,

@@ -25,7 +25,7 @@ impl Place {
     fn ledger(&self, hardware: &str, channels: &[u8], wearer: &str) -> Result<Ledger, LedgerError> {
         let (hardware, wearer) = ([hardware.to_owned()], [wearer.to_owned()]);
         let names = (&hardware[..], &wearer[..]);
-        Ledger::within(&self.0, names, vec![fingertip(channels)])
+        Ledger::open(&self.0, names, vec![fingertip(channels)])
     }
 
     fn used(&self, hardware: &str, channels: &[u8], wearer: &str) -> Used {
@@ -129,6 +129,9 @@ fn a_death_leaves_the_reserve_booked() {
     let keeper = keeper.keep(&[(Instant::ZERO, &first)]).unwrap();
     // Nobody says how it ended.
     drop(keeper);
+    // Its thread lets go of the files.
+    let next = place.ledger("bench", &[3], "wearer").unwrap();
+    drop(next.keep(&[(Instant::ZERO, &first)]).unwrap());
     let kept = place.used("bench", &[3], "wearer");
     let reserve = first.reserve(Instant::ZERO, Duration::from_millis(4000));
     assert!((kept.cem43 - reserve.doses().cem43_min / 2.0).abs() < 1e-12);
@@ -254,6 +257,47 @@ fn what_cannot_be_read_is_refused_until_it_is_forgotten() {
 }
 
 #[test]
+fn a_person_forgets_what_there_is_of_hardware_and_wearers() {
+    let place = Place::new("forgotten");
+    let first = guard(1);
+    let states = [(Instant::ZERO, &first)];
+    let ledger = place.ledger("bench", &[0], "wearer").unwrap();
+    ledger.keep(&states).unwrap().end(&states, true).unwrap();
+    let [hardware, wearer, other] = ["bench", "wearer", "other"].map(str::to_owned);
+    let forget = |hardware: &[String], wearers: &[String]| {
+        let left = forget(&place.0, hardware, wearers).unwrap();
+        let is_there = ["bench.heat", "wearer.dose"].map(|name| place.0.join(name).exists());
+        (left, is_there)
+    };
+    let other = [other];
+    assert_eq!(forget(&other, &other), (false, [true; 2]));
+    // What there is of one counts, whatever there is of the next.
+    assert_eq!(
+        forget(&[hardware, other[0].clone()], &other),
+        (true, [false, true])
+    );
+    assert_eq!(forget(&other, &[wearer]), (true, [false; 2]));
+    assert!(folder().is_absolute() && folder().ends_with("heat"));
+}
+
+#[test]
+fn a_first_reserve_that_cannot_be_written_is_told_and_one_that_can_takes_no_time() {
+    let place = Place::new("first");
+    let first = guard(1);
+    let states = [(Instant::ZERO, &first)];
+    // Where the neighbour is to be.
+    fs::create_dir_all(place.0.join("bench.heat.new")).unwrap();
+    let ledger = place.ledger("bench", &[0], "wearer").unwrap();
+    let refused = ledger.keep(&states).unwrap_err();
+    assert!(matches!(refused, LedgerError::Reserve(_)), "{refused}");
+    fs::remove_dir(place.0.join("bench.heat.new")).unwrap();
+    let ledger = place.ledger("bench", &[0], "wearer").unwrap();
+    let clock = RunClock::start();
+    let _keeper = ledger.keep(&states).unwrap();
+    assert!(clock.now() < ms(4000), "it waited for more than the write");
+}
+
+#[test]
 fn a_run_that_ended_between_two_looks_is_not_overlooked() {
     let place = Place::new("between");
     let (early, late) = (
@@ -287,12 +331,16 @@ fn a_reserve_goes_on_while_the_loop_does_and_ends_with_the_disk() {
     let ledger = place.ledger("bench", &[0], "wearer").unwrap();
     let keeper = ledger.keep(&[(Instant::ZERO, &first)]).unwrap();
     keeper.beat(0, ms(3800), &first).unwrap();
-    let late = keeper.beat(0, ms(3901), &first).unwrap_err();
-    assert!(late.to_string().contains("heat cannot be kept"), "{late}");
+    let late = |at| keeper.beat(0, at, &first).unwrap_err().to_string();
+    assert_eq!(
+        late(ms(3901)),
+        "heat cannot be kept: the disk does not answer"
+    );
     // The thread asks once a second, and the loop's guard is reserved from.
     assert!(beats(&keeper, &first, ms(5000), |is_kept| is_kept));
     fs::remove_dir_all(&place.0).unwrap();
     assert!(beats(&keeper, &first, ms(8500), |is_kept| !is_kept));
+    assert!(late(ms(20_000)).contains("No such file"));
     let refused = keeper.end(&[(ms(9000), &first)], true).unwrap_err();
     assert!(refused.to_string().contains("No such file"), "{refused}");
 }
@@ -303,7 +351,7 @@ fn a_fingertip_that_ended_waits_for_nobody() {
     let (hardware, wearer) = (["bench".to_owned()], ["wearer".to_owned()]);
     let names = (&hardware[..], &wearer[..]);
     let fingertips = vec![fingertip(&[0]), fingertip(&[1])];
-    let ledger = Ledger::within(&place.0, names, fingertips).unwrap();
+    let ledger = Ledger::open(&place.0, names, fingertips).unwrap();
     let (first, second) = (guard(1), guard(1));
     let states = [(Instant::ZERO, &first), (Instant::ZERO, &second)];
     let keeper = ledger.keep(&states).unwrap();

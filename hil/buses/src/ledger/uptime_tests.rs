@@ -19,4 +19,11 @@ fn a_program_sees_one_start_and_a_clock_that_goes_on() {
     let (before, after) = (Uptime::now(), Uptime::now());
     assert!(before.boot == after.boot && after.us >= before.us);
     assert_eq!(before.boot, boot());
+    assert_eq!(
+        boot() > 1,
+        uptime_start().is_some(),
+        "no two starts are one"
+    );
+    let true_us = nanoseconds(ClockId::CLOCK_BOOTTIME) as u64 / 1000;
+    assert!(true_us.abs_diff(after.us) < 10_000_000, "{after:?}");
 }

@@ -85,7 +85,8 @@ pub fn forget(bench: &Loaded<Bench>, wearers: &[String]) -> Result<bool, Failure
     if wearers.is_empty() {
         worn.push(of_wearer(None));
     }
-    ledger::forget(&hardware, &worn).map_err(|error| Failure::Device(error.to_string()))
+    ledger::forget(&ledger::folder(), &hardware, &worn)
+        .map_err(|error| Failure::Device(error.to_string()))
 }
 
 impl Heat {
@@ -178,7 +179,7 @@ impl Heat {
                 wearer: *wearer,
             }
         });
-        let opened = Ledger::open(&names, wearers, places.collect());
+        let opened = Ledger::open(&ledger::folder(), (&names[..], wearers), places.collect());
         let ledger = opened.map_err(|error| {
             Failure::Guard(format!(
                 "heat of earlier runs: {error}; tissue counts as at each limit, and the dose as spent. {way_out}"
