@@ -9,10 +9,14 @@
 #![allow(clippy::disallowed_methods)]
 #![cfg(target_os = "linux")]
 
+#[path = "bench/audit.rs"]
+mod audit;
 #[path = "bench/basics.rs"]
 mod basics;
 #[path = "bench/campaign.rs"]
 mod campaign;
+#[path = "bench/damage.rs"]
+mod damage;
 #[path = "bench/feed.rs"]
 mod feed;
 #[path = "bench/guardian_faults.rs"]
@@ -21,6 +25,8 @@ mod guardian_faults;
 mod lacks;
 #[path = "bench/ledger.rs"]
 mod ledger;
+#[path = "bench/model.rs"]
+mod model;
 #[path = "bench/names.rs"]
 mod names;
 #[path = "bench/off.rs"]
@@ -31,6 +37,10 @@ mod overrun;
 mod rig;
 #[path = "bench/run.rs"]
 mod run;
+#[path = "bench/sequences.rs"]
+mod sequences;
+#[path = "bench/steps.rs"]
+mod steps;
 #[path = "bench/study.rs"]
 mod study;
 #[path = "cli/study_page.rs"]

@@ -20,6 +20,8 @@ pub const ADAPTERS: usize = 8;
 pub const NODE_MODE: u32 = 0o1666;
 /// The major number of I2C adapters. `sys/dev/char/MAJOR:NUMBER/device` in the bench's folder leads to the device.
 pub const MAJOR: u32 = 89;
+/// A file of the bench's folder that takes the place of the kernel's name for this start of the machine, where it is there.
+pub const BOOT_ID: &str = "boot_id";
 /// Chips that an adapter may have.
 pub const CHIPS: usize = 4;
 
@@ -38,15 +40,24 @@ pub struct ClockPage {
     pub realtime_ns: AtomicI64,
     /// Where CLOCK_MONOTONIC stands still, nanoseconds; zero while it goes.
     pub still_ns: AtomicI64,
+    /// When the machine was started, nanoseconds of the true clocks: CLOCK_MONOTONIC and CLOCK_BOOTTIME count from then.
+    pub started_ns: AtomicI64,
 }
 
 impl ClockPage {
     /// What CLOCK_MONOTONIC is to the program when it truly is this.
     pub fn monotonic(&self, real_ns: i64) -> i64 {
         match self.still_ns.load(Ordering::Acquire) {
-            0 => real_ns.saturating_sub(self.lost_ns.load(Ordering::Acquire)),
+            0 => self
+                .uptime(real_ns)
+                .saturating_sub(self.lost_ns.load(Ordering::Acquire)),
             still => still,
         }
+    }
+
+    /// What CLOCK_BOOTTIME is to the program when it truly is this.
+    pub fn uptime(&self, real_ns: i64) -> i64 {
+        real_ns.saturating_sub(self.started_ns.load(Ordering::Acquire))
     }
 }
 

@@ -27,10 +27,11 @@ const BURST_MS: f64 = 50.0 + 8.0;
 const END: Duration = Duration::from_secs(9);
 
 /// SplitMix64.
-struct Draws(u64);
+pub struct Draws(pub u64);
 
 impl Draws {
-    fn below(&mut self, limit: u64) -> u64 {
+    /// A number below this.
+    pub fn below(&mut self, limit: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -38,11 +39,13 @@ impl Draws {
         (z ^ (z >> 31)) % limit
     }
 
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+    /// One of them.
+    pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len() as u64) as usize]
     }
 
-    fn ms(&mut self, least: u64, most: u64) -> Duration {
+    /// A time between two, in milliseconds.
+    pub fn ms(&mut self, least: u64, most: u64) -> Duration {
         Duration::from_millis(least + self.below(most - least))
     }
 }
@@ -292,9 +295,13 @@ fn play(seed: u64, kinds: &mut BTreeMap<&'static str, u64>) -> [f64; 2] {
     measured
 }
 
+/// A number that the environment may say.
+pub fn number(name: &str, other: u64) -> u64 {
+    std::env::var(name).map_or(other, |n| n.parse().unwrap())
+}
+
 #[test]
 fn drawn_faults_keep_no_wire_on_and_no_exceeded_limit_is_well() {
-    let number = |name: &str, other: u64| std::env::var(name).map_or(other, |n| n.parse().unwrap());
     let (count, first) = (number("PALPATE_FAULTS", FEW), number("PALPATE_SEED", 1));
     let (begun, mut kinds) = (now_ns(), BTreeMap::new());
     let (mut worst, mut over) = ([0.0_f64; 2], 0);

@@ -33,7 +33,7 @@ struct Played {
 }
 
 /// The guard of the bench, cold.
-fn guard(bench: &Bench, scene: &str) -> Guard {
+pub fn guard(bench: &Bench, scene: &str) -> Guard {
     let path = |name: &str| bench.path(name).display().to_string();
     let setup = Setup::load(&path(scene), &path("bench.toml")).unwrap();
     build(&setup, 1, Levels::Off).unwrap().guard().clone()
@@ -83,7 +83,7 @@ fn played(bench: &Bench, length_s: f64) -> Played {
 }
 
 /// The file of this ending in the folder of what outlives a run.
-fn kept(bench: &Bench, ending: &str) -> Option<PathBuf> {
+pub fn kept(bench: &Bench, ending: &str) -> Option<PathBuf> {
     let entries = fs::read_dir(bench.path("state/heat"));
     let mut files = entries.ok()?.map(|entry| entry.unwrap().path());
     files.find(|path| path.extension().is_some_and(|e| e == ending))

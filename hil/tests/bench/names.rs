@@ -20,7 +20,7 @@ use crate::run::Said;
 /// What a program is given to end.
 const END: Duration = Duration::from_secs(20);
 /// How `setpriv` becomes a user who owns nothing.
-const NOBODY: [&str; 3] = ["--reuid=65534", "--regid=65534", "--clear-groups"];
+pub const NOBODY: [&str; 3] = ["--reuid=65534", "--regid=65534", "--clear-groups"];
 
 /// Leaves a stop: a run was killed in a burst.
 fn stop(bench: &Bench) {
@@ -49,12 +49,21 @@ fn assert_stopped(said: &Said) {
     assert!(said.err.contains(words), "{said:?}");
 }
 
-/// Other names of a bench's first adapter: a dot in its path, a link to it, a link to its folder.
-fn names(bench: &Bench) -> Vec<PathBuf> {
-    let [link, folder] = ["link", "folder"].map(|name| bench.path(name));
-    symlink(bench.node(0), &link).unwrap();
-    symlink(bench.path(""), &folder).unwrap();
-    vec![bench.path("./i2c-0"), link, folder.join("i2c-0")]
+/// Other names of a bench's first adapter.
+fn names(bench: &Bench) -> [PathBuf; 3] {
+    names_of(bench, 0)
+}
+
+/// Other names of an adapter: a dot in its path, a link to it, a link to its folder.
+pub fn names_of(bench: &Bench, adapter: usize) -> [PathBuf; 3] {
+    let name = format!("i2c-{adapter}");
+    let [link, folder] = ["link", "folder"].map(|own| bench.path(&format!("{own}-to-{name}")));
+    for (to, link) in [(bench.node(adapter), &link), (bench.path(""), &folder)] {
+        if !link.is_symlink() {
+            symlink(to, link).unwrap();
+        }
+    }
+    [bench.path(".").join(&name), link, folder.join(&name)]
 }
 
 #[test]
@@ -91,32 +100,40 @@ fn a_stop_holds_for_an_adapter_that_comes_back_under_another_number() {
 
 #[test]
 fn a_bus_has_one_program_by_every_name() {
-    // The second program takes the first one's skin away, so that each name has a bench of its own.
-    for name in 0..3 {
-        on_bench(1, |bench| {
-            let _feed = bench.feed();
-            let run = bench.run(30.0);
-            run.wait_until_on();
-            let said = run_on(bench, &names(bench)[name]);
+    on_bench(1, |bench| {
+        let _feed = bench.feed();
+        let run = bench.run(30.0);
+        run.wait_until_on();
+        for name in names(bench) {
+            let said = run_on(bench, &name);
             assert_eq!(said.status, Some(3), "{said:?}");
             assert!(said.err.contains("in use by"), "{said:?}");
-            run.signal(Signal::SIGINT);
-            run.finish(END);
-        });
+        }
+        run.signal(Signal::SIGINT);
+        assert_eq!(run.finish(END).status, Some(130));
+    });
+}
+
+/// Whether a program may be another user's here; says why not.
+pub fn has_other_user() -> bool {
+    let hil = env!("CARGO_BIN_EXE_hil");
+    let mut probe = Command::new("/usr/bin/setpriv");
+    probe.args(NOBODY).args([hil, "--version"]);
+    let probed = probe.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let has = probed.is_ok_and(|status| status.success());
+    if !has {
+        eprintln!("SKIPPED: only root becomes another user, who has to reach {hil}");
     }
+    has
 }
 
 #[test]
 fn a_stop_holds_for_every_user() {
     on_bench(1, |bench| {
-        let hil = env!("CARGO_BIN_EXE_hil");
-        let mut probe = Command::new("/usr/bin/setpriv");
-        probe.args(NOBODY).args([hil, "--version"]);
-        let probed = probe.stdout(Stdio::null()).stderr(Stdio::null()).status();
-        if !probed.is_ok_and(|status| status.success()) {
-            eprintln!("SKIPPED: only root becomes another user, who has to reach {hil}");
+        if !has_other_user() {
             return;
         }
+        let hil = env!("CARGO_BIN_EXE_hil");
         stop(bench);
         // Its skin is a socket of that folder.
         fs::set_permissions(bench.path(""), fs::Permissions::from_mode(0o777)).unwrap();

@@ -33,6 +33,15 @@ static TURN: Mutex<()> = Mutex::new(());
 /// Runs a test on a bench of so many adapters, or says why it cannot. A bench on which the guard stopped for a late turn
 /// has learnt how slow this machine is and nothing else: then it is set up anew, twice.
 pub fn on_bench(adapters: usize, test: impl Fn(&Bench)) {
+    tried(3, adapters, test);
+}
+
+/// The same without a second try: for a test that says itself what a slow machine changes.
+pub fn once_on_bench(adapters: usize, test: impl Fn(&Bench)) {
+    tried(1, adapters, test);
+}
+
+fn tried(tries: u32, adapters: usize, test: impl Fn(&Bench)) {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Err(why) = preloading() {
         assert!(
@@ -48,7 +57,7 @@ pub fn on_bench(adapters: usize, test: impl Fn(&Bench)) {
         let Err(failed) = done else {
             return;
         };
-        if attempt == 3 || !bench.was_too_slow() {
+        if attempt == tries || !bench.was_too_slow() {
             resume_unwind(failed);
         }
         eprintln!("this machine was too slow: late-tick; once more");
@@ -266,6 +275,21 @@ impl Bench {
         Run::new(self, child, out_path, err_path)
     }
 
+    /// Returns when no program of the bench is left.
+    #[track_caller]
+    pub fn wait_until_alone(&self) {
+        let is_process = |name: &str| {
+            name.parse()
+                .is_ok_and(|id| crate::run::runs(&self.folder, id))
+        };
+        let is_alone = || {
+            let mut entries = fs::read_dir("/proc").unwrap().flatten();
+            !entries.any(|entry| entry.file_name().to_str().is_some_and(is_process))
+        };
+        let limit = Duration::from_secs(8);
+        assert!(is_soon(limit, is_alone), "a program of the bench goes on");
+    }
+
     /// Starts a run of a skin that is touched, for at most so many seconds.
     pub fn run(&self, length_s: f64) -> Run<'_> {
         self.start(&Self::run_words(&self.scene(length_s)))
@@ -315,11 +339,11 @@ impl Bench {
         let mut longest = 0;
         for page in &self.adapters {
             let record = page.record().unwrap();
-            let chips = record[0].on.len();
+            let chips = record[0].widths.len();
             for (chip, channel) in (0..chips).flat_map(|n| (0..16).map(move |c| (n, c))) {
                 let mut since = None;
                 for change in &record {
-                    match (change.on[chip] >> channel & 1 == 1, since) {
+                    match (change.widths[chip][channel] != 0, since) {
                         (true, None) => since = Some(change.at_ns),
                         (false, Some(on)) => {
                             longest = longest.max(change.at_ns.saturating_sub(from_ns.max(on)));
@@ -339,6 +363,11 @@ impl Bench {
     /// How late this machine was during the test, milliseconds: by so much a limit in real time may be passed.
     pub fn lateness(&self) -> f64 {
         self.metronome.worst_us.load(Ordering::Relaxed) as f64 * 1e-3
+    }
+
+    /// The same since the last time.
+    pub fn take_lateness(&self) -> f64 {
+        self.metronome.worst_us.swap(0, Ordering::Relaxed) as f64 * 1e-3
     }
 
     /// Asserts that nothing is on, and that no channel was on for longer than `limit_ms` in one go after a moment.
@@ -366,7 +395,8 @@ impl Bench {
         let entries = fs::read_dir(self.path("state")).unwrap();
         let files = entries.map(|entry| entry.unwrap().path());
         let files = files.filter(|path| path.extension().is_some_and(|e| e == "stop"));
-        let read = |path: PathBuf| (path.clone(), fs::read_to_string(path).unwrap());
+        let text = |path: &Path| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();
+        let read = |path: PathBuf| (path.clone(), text(&path));
         files.map(read).collect()
     }
 
@@ -398,7 +428,7 @@ impl Bench {
 
 /// Whether any channel of an adapter is on.
 pub fn is_on(page: &AdapterPage) -> bool {
-    page.state().on.iter().any(|on| *on != 0)
+    page.state().is_on()
 }
 
 /// Makes an adapter's node, and its place in sysfs: the device of this number at a port.
@@ -415,6 +445,8 @@ fn plug(folder: &Path, number: usize, port: &str) {
 
 fn mapped<T: Page>(path: &Path) -> Mapped<T> {
     File::create(path).unwrap();
+    // A program of another user is on the same bench.
+    fs::set_permissions(path, fs::Permissions::from_mode(0o666)).unwrap();
     let path = CString::new(path.as_os_str().as_bytes()).unwrap();
     Mapped::open(&path).unwrap()
 }

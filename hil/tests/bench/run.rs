@@ -63,9 +63,16 @@ impl<'a> Run<'a> {
     #[track_caller]
     pub fn wait_until_on(&self) {
         self.wait_for(|| self.bench.is_on());
-        let guardian = guardian_of(self.id()).expect("a run that drives has a guardian");
+        let guardian = self.look_for_guardian();
+        guardian.expect("a run that drives has a guardian");
+    }
+
+    /// The guardian's process, where the run has started it by now.
+    pub fn look_for_guardian(&self) -> Option<u32> {
+        let guardian = guardian_of(self.id())?;
         *self.guardian.lock().unwrap() = Some(guardian);
         self.bench.leave(guardian);
+        Some(guardian)
     }
 
     /// Returns at the beginning of a burst, some bursts after the first: which adapter drives it.

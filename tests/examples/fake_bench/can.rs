@@ -1,15 +1,14 @@
 //! CAN sockets: a datagram socket of the bench's folder in the place of each, which takes frames as the kernel hands them over.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use nix::libc;
 
 use crate::text::Text;
 use crate::{fail, folder, real};
 
-/// Sockets that this process has bound so far.
-static BOUND: AtomicU32 = AtomicU32::new(0);
+/// Sockets that one interface may have at a time.
+const SOCKETS: usize = 16;
 
 /// Stands in for `socket`.
 ///
@@ -27,8 +26,8 @@ pub unsafe extern "C" fn socket(domain: c_int, kind: c_int, protocol: c_int) -> 
     unsafe { next(asked.0, asked.1, asked.2) }
 }
 
-/// Stands in for `bind`. A CAN socket gets the file `NAME.rx` of its interface; others of the same process `NAME-1.rx` and
-/// so on.
+/// Stands in for `bind`. A CAN socket gets the file `NAME.rx` of its interface, or `NAME-1.rx` and so on while others live:
+/// each hears the interface.
 ///
 /// # Safety
 /// As that: `length` bytes of an address lie at `address`.
@@ -52,23 +51,44 @@ pub unsafe extern "C" fn bind(
         libc::if_indextoname(can.can_ifindex as u32, name.as_mut_ptr());
         CStr::from_ptr(name.as_ptr()).to_str().unwrap_or_default()
     };
-    let path = match BOUND.fetch_add(1, Ordering::AcqRel) {
-        0 => Text::<108>::of(format_args!("{folder}/{name}.rx")),
-        n => Text::of(format_args!("{folder}/{name}-{n}.rx")),
-    };
-    let Some(path) = path.c().filter(|_| !name.is_empty()) else {
+    if name.is_empty() {
         return fail(libc::ENODEV);
-    };
-    // SAFETY: numbers, for which zero is a value.
-    let mut place: libc::sockaddr_un = unsafe { std::mem::zeroed() };
-    place.sun_family = libc::AF_UNIX as u16;
-    for (to, from) in place.sun_path.iter_mut().zip(path.to_bytes()) {
-        *to = *from as c_char;
     }
-    // SAFETY: the path ends in a zero; the address lives until after the call.
+    for number in 0..SOCKETS {
+        let path = match number {
+            0 => Text::<108>::of(format_args!("{folder}/{name}.rx")),
+            n => Text::of(format_args!("{folder}/{name}-{n}.rx")),
+        };
+        let Some(path) = path.c() else {
+            return fail(libc::ENAMETOOLONG);
+        };
+        // SAFETY: numbers, for which zero is a value.
+        let mut place: libc::sockaddr_un = unsafe { std::mem::zeroed() };
+        place.sun_family = libc::AF_UNIX as u16;
+        for (to, from) in place.sun_path.iter_mut().zip(path.to_bytes()) {
+            *to = *from as c_char;
+        }
+        if !is_heard(&place) {
+            // SAFETY: the path ends in a zero; the address lives until after the call.
+            return unsafe {
+                libc::unlink(path.as_ptr());
+                next(fd, (&raw const place).cast(), size_of_val(&place) as u32)
+            };
+        }
+    }
+    fail(libc::EADDRINUSE)
+}
+
+/// Whether a socket that lives is bound there.
+fn is_heard(place: &libc::sockaddr_un) -> bool {
+    // SAFETY: numbers, and an address that lives until after the call; the descriptor is this function's own.
     unsafe {
-        libc::unlink(path.as_ptr());
-        next(fd, (&raw const place).cast(), size_of_val(&place) as u32)
+        let probe = libc::socket(libc::AF_UNIX, libc::SOCK_DGRAM | libc::SOCK_CLOEXEC, 0);
+        let place = (&raw const *place).cast();
+        let reached = libc::connect(probe, place, size_of::<libc::sockaddr_un>() as u32);
+        let errno = *libc::__errno_location();
+        libc::close(probe);
+        reached == 0 || ![libc::ENOENT, libc::ECONNREFUSED].contains(&errno)
     }
 }
 

@@ -86,6 +86,7 @@ pub unsafe extern "C" fn clock_gettime(clock: clockid_t, now: *mut timespec) -> 
     let now = unsafe { &mut *now };
     match clock {
         libc::CLOCK_MONOTONIC => *now = time(page.monotonic(nanoseconds(*now))),
+        libc::CLOCK_BOOTTIME => *now = time(page.uptime(nanoseconds(*now))),
         libc::CLOCK_REALTIME => {
             *now = time(nanoseconds(*now) + page.realtime_ns.load(Ordering::Acquire));
         }

@@ -1,4 +1,4 @@
-//! What a program lacks: memory, threads, descriptors, a disk for its stops.
+//! What a program lacks: memory, threads, descriptors, a disk for its stops. Also which start of the machine a file tells it.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr;
@@ -6,7 +6,10 @@ use std::sync::atomic::Ordering;
 
 use nix::libc::{self, mode_t, off_t, size_t, ssize_t};
 
-use crate::{SCARCE, STATE, fail, lacks, nap, page, path_of, real, text};
+use palpate_tests::fake_bench::BOOT_ID;
+
+use crate::text::Text;
+use crate::{SCARCE, STATE, fail, folder, lacks, nap, page, path_of, real, text};
 
 // What glibc calls its own functions: they take part in no search by name, which would want memory itself.
 unsafe extern "C" {
@@ -159,6 +162,17 @@ fn may_open(path: *const c_char, flags: c_int) -> Result<(), c_int> {
     }
 }
 
+/// The bench's own file of which start of the machine this is, where it has one and this path is the kernel's.
+fn start_of(path: *const c_char) -> Option<Text<512>> {
+    // SAFETY: the caller's path ends in a zero.
+    let is_kernel_s = unsafe { CStr::from_ptr(path) } == c"/proc/sys/kernel/random/boot_id";
+    let folder = folder().filter(|_| is_kernel_s)?;
+    let own = Text::of(format_args!("{folder}/{BOOT_ID}"));
+    // SAFETY: the path ends in a zero.
+    let is_there = unsafe { libc::access(own.c()?.as_ptr(), libc::F_OK) } == 0;
+    is_there.then_some(own)
+}
+
 /// Functions that open a file.
 macro_rules! opens {
     ($($name:ident, $c:literal, ($($at:ident)?);)*) => {$(
@@ -176,8 +190,10 @@ macro_rules! opens {
             if let Err(errno) = may_open(path, flags) {
                 return fail(errno);
             }
+            let own = start_of(path);
+            let path = own.as_ref().and_then(Text::c).map_or(path, CStr::as_ptr);
             let next = real!($c as fn($(opens!(@int $at),)? *const c_char, c_int, mode_t) -> c_int);
-            // SAFETY: handed on as it came.
+            // SAFETY: handed on as it came, or a path that ends in a zero and lives until after the call.
             unsafe { next($($at,)? path, flags, mode) }
         }
     )*};

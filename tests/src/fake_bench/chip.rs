@@ -5,12 +5,20 @@ use palpate_core::codec::pca9685::mode1;
 
 use super::CHIPS;
 
+/// Channels of a chip.
+pub const CHANNELS: usize = regs::CHANNELS as usize;
+/// Ticks of a PWM period.
+const PERIOD: u16 = 4096;
+/// Widths of a chip's pulses by channel, ticks.
+pub type Widths = [u16; CHANNELS];
 /// MODE1 to LED15_OFF_H.
 const REGISTERS: usize = regs::LED15_OFF_H as usize + 1;
 /// Eight bytes at a time, a chip with its address, pointer and PRE_SCALE.
 const CHIP_WORDS: usize = (REGISTERS + 3).div_ceil(8);
-/// A state in words: the count of changes, the time of the last one, what was on, the chips.
-pub const WORDS: usize = 2 + CHIPS / 4 + CHIPS * CHIP_WORDS;
+/// A state in words: the count of changes, the time of the last one, the chips.
+pub const WORDS: usize = 2 + CHIPS * CHIP_WORDS;
+/// Widths of all chips' pulses in words.
+pub const WIDTH_WORDS: usize = CHIPS * CHANNELS / 4;
 
 /// A chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,17 +60,21 @@ impl Chip {
         self.address != 0 && (address == self.address || hears_all && address == all)
     }
 
-    /// Channels that make pulses, a bit each: awake, and not full off.
-    pub fn on(&self) -> u16 {
+    /// How wide the pulses of each channel are, ticks of 4096: of those that make any while it is awake and they are not full
+    /// off. All of a period where a channel is full on.
+    pub fn widths(&self) -> Widths {
         if self.address == 0 || self.mode1() & mode1::SLEEP != 0 {
-            return 0;
+            return [0; CHANNELS];
         }
-        (0..regs::CHANNELS).fold(0, |all, channel| {
-            let first = usize::from(regs::led(channel));
+        std::array::from_fn(|channel| {
+            let first = usize::from(regs::led(channel as u8));
             let [on_l, on_h, off_l, off_h] = [0, 1, 2, 3].map(|n| self.registers[first + n]);
-            let differs = on_l != off_l || (on_h ^ off_h) & 0x0F != 0;
-            let is_on = off_h & regs::FULL == 0 && (on_h & regs::FULL != 0 || differs);
-            all | u16::from(is_on) << channel
+            let ticks = |low, high| u16::from_le_bytes([low, high & 0x0F]);
+            match (off_h & regs::FULL != 0, on_h & regs::FULL != 0) {
+                (true, _) => 0,
+                (_, true) => PERIOD,
+                _ => ticks(off_l, off_h).wrapping_sub(ticks(on_l, on_h)) % PERIOD,
+            }
         })
     }
 
@@ -126,12 +138,10 @@ impl Chip {
 /// The chips of an adapter at one time, and when what they drive changed last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
-    /// How often what is on has changed.
+    /// How often what is driven has changed.
     pub changes: u64,
     /// CLOCK_MONOTONIC_RAW of the last change, nanoseconds.
     pub at_ns: u64,
-    /// Channels that are on since then, chip by chip.
-    pub on: [u16; CHIPS],
     /// The chips.
     pub chips: [Chip; CHIPS],
 }
@@ -143,20 +153,28 @@ impl State {
         Self {
             changes: 0,
             at_ns: 0,
-            on: [0; CHIPS],
             chips: std::array::from_fn(|n| Chip::new(address(n))),
         }
+    }
+
+    /// What the chips drive: the widths of their pulses.
+    pub fn widths(&self) -> [Widths; CHIPS] {
+        self.chips.map(|chip| chip.widths())
+    }
+
+    /// Whether any channel makes pulses.
+    pub fn is_on(&self) -> bool {
+        self.widths().as_flattened().iter().any(|width| *width != 0)
     }
 
     pub(super) fn words(&self) -> [u64; WORDS] {
         let mut words = [0; WORDS];
         words[0] = self.changes;
         words[1] = self.at_ns;
-        words[2] = packed(self.on);
         for (chip, place) in self
             .chips
             .iter()
-            .zip(words[3..].chunks_exact_mut(CHIP_WORDS))
+            .zip(words[2..].chunks_exact_mut(CHIP_WORDS))
         {
             let mut bytes = [0; CHIP_WORDS * 8];
             bytes[..3].copy_from_slice(&[chip.address, chip.pointer, chip.prescale]);
@@ -172,11 +190,10 @@ impl State {
         let mut state = Self::new(&[]);
         state.changes = words[0];
         state.at_ns = words[1];
-        state.on = unpacked(words[2]);
         for (chip, place) in state
             .chips
             .iter_mut()
-            .zip(words[3..].chunks_exact(CHIP_WORDS))
+            .zip(words[2..].chunks_exact(CHIP_WORDS))
         {
             let mut bytes = [0; CHIP_WORDS * 8];
             for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(place) {
@@ -189,14 +206,23 @@ impl State {
     }
 }
 
-/// What is on, in a word.
-pub fn packed(on: [u16; CHIPS]) -> u64 {
-    on.iter()
-        .rev()
-        .fold(0, |all, on| all << 16 | u64::from(*on))
+/// Widths of pulses, in words.
+pub fn packed(widths: &[Widths; CHIPS]) -> [u64; WIDTH_WORDS] {
+    let widths = widths.as_flattened().as_chunks::<4>().0;
+    std::array::from_fn(|n| {
+        widths[n]
+            .iter()
+            .rev()
+            .fold(0, |all, w| all << 16 | u64::from(*w))
+    })
 }
 
-/// What [`packed`] made a word of.
-pub fn unpacked(word: u64) -> [u16; CHIPS] {
-    std::array::from_fn(|n| (word >> (16 * n)) as u16)
+/// What [`packed`] made words of.
+pub fn unpacked(words: &[u64; WIDTH_WORDS]) -> [Widths; CHIPS] {
+    std::array::from_fn(|chip| {
+        std::array::from_fn(|channel| {
+            let place = chip * CHANNELS + channel;
+            (words[place / 4] >> (16 * (place % 4))) as u16
+        })
+    })
 }

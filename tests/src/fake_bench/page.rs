@@ -4,12 +4,12 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::CHIPS;
-use super::chip::{State, WORDS, packed, unpacked};
+use super::chip::{State, WIDTH_WORDS, WORDS, Widths, packed, unpacked};
 
 /// States beside each other: one is the chips', others are being made.
 const SLOTS: usize = 64;
-/// Changes of what is on that a page keeps, many times what a test makes.
-const RING: usize = 8192;
+/// Changes of what is driven that a page keeps, many times what a test makes.
+const RING: usize = 16_384;
 
 /// What an adapter does with a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,13 +46,13 @@ impl Mode {
     }
 }
 
-/// A change of what an adapter's chips have on.
+/// A change of what an adapter's chips drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
     /// CLOCK_MONOTONIC_RAW, nanoseconds.
     pub at_ns: u64,
-    /// Channels that are on from then, chip by chip.
-    pub on: [u16; CHIPS],
+    /// Widths of pulses from then on, chip by chip, ticks; zero for a channel that is off.
+    pub widths: [Widths; CHIPS],
 }
 
 /// An adapter: what it does, its chips, and the record of what was on.
@@ -74,7 +74,7 @@ pub struct AdapterPage {
     /// Numbers given to states so far.
     given: AtomicU64,
     slots: [[AtomicU64; WORDS]; SLOTS],
-    ring: [[AtomicU64; 2]; RING],
+    ring: [[AtomicU64; 1 + WIDTH_WORDS]; RING],
 }
 
 impl AdapterPage {
@@ -123,8 +123,7 @@ impl AdapterPage {
             let (number, before) = self.numbered();
             let mut after = before;
             let result = act(&mut after);
-            after.on = after.chips.map(|chip| chip.on());
-            if after.on != before.on {
+            if after.widths() != before.widths() {
                 // Whoever makes the next change keeps this one: its own maker may be dead.
                 self.keep(&before);
                 after.changes = before.changes + 1;
@@ -150,13 +149,15 @@ impl AdapterPage {
         if count >= RING {
             return Err(format!("{count} changes of outputs, a page keeps {RING}"));
         }
-        let kept = |[at_ns, on]: &[AtomicU64; 2]| Change {
+        let kept = |[at_ns, words @ ..]: &[AtomicU64; 1 + WIDTH_WORDS]| Change {
             at_ns: at_ns.load(Ordering::Acquire),
-            on: unpacked(on.load(Ordering::Acquire)),
+            widths: unpacked(&std::array::from_fn(|n| words[n].load(Ordering::Acquire))),
         };
         let mut changes: Vec<Change> = self.ring[..count].iter().map(kept).collect();
-        let (at_ns, on) = (last.at_ns, last.on);
-        changes.push(Change { at_ns, on });
+        changes.push(Change {
+            at_ns: last.at_ns,
+            widths: last.widths(),
+        });
         Ok(changes)
     }
 
@@ -179,8 +180,10 @@ impl AdapterPage {
     }
 
     fn keep(&self, state: &State) {
-        let [at_ns, on] = &self.ring[state.changes as usize % RING];
+        let [at_ns, words @ ..] = &self.ring[state.changes as usize % RING];
         at_ns.store(state.at_ns, Ordering::Release);
-        on.store(packed(state.on), Ordering::Release);
+        for (place, word) in words.iter().zip(packed(&state.widths())) {
+            place.store(word, Ordering::Release);
+        }
     }
 }

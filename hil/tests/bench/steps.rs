@@ -1,0 +1,115 @@
+//! The steps that a sequence of runs is drawn from.
+
+use std::time::Duration;
+
+use nix::libc;
+use palpate_tests::fake_bench::{GUARDIAN, RUN};
+
+use crate::campaign::Draws;
+use crate::damage::Damage;
+
+/// What is killed.
+#[derive(Clone, Copy, Debug)]
+pub enum Killed {
+    /// The run.
+    Run,
+    /// Its guardian.
+    Guardian,
+    /// Both at once.
+    Both,
+}
+
+/// How the state folder fails, for [`RUN`], [`GUARDIAN`] or both.
+#[derive(Clone, Copy, Debug)]
+pub enum Disk {
+    /// With this error number.
+    Fails(i32),
+    /// It does not answer.
+    Hangs,
+}
+
+/// What a step is. Each begins at least one run.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// A run that nothing disturbs.
+    Clean,
+    /// Of a run, at a random moment.
+    Kill(Killed, Duration),
+    /// Another name for this start of the machine, and whether its clocks begin anew.
+    Reboot(bool, bool),
+    /// A file of the ledger is damaged.
+    Ledger(Damage),
+    /// The record of a stop is.
+    Record(Damage),
+    /// The file of the lock is of a newer version.
+    Lock,
+    /// From the run's begin, or this long after it, and for how long.
+    Disk(Disk, u32, Option<Duration>, Duration),
+    /// The state folder cannot be made.
+    NoFolder,
+    /// The folder is another user's.
+    OthersFolder,
+    /// Two programs, the second so much later.
+    Two(Duration),
+    /// The adapter comes back under another number.
+    Port,
+    /// `hil off` clears nothing, and forgets nothing for another name.
+    Off,
+}
+
+impl Step {
+    /// One of them.
+    pub fn draw(draws: &mut Draws) -> Self {
+        match draws.below(30) {
+            0..14 => Self::Clean,
+            14..18 => {
+                let killed = draws.of(&[Killed::Run, Killed::Guardian, Killed::Both]);
+                Self::Kill(killed, draws.ms(20, 1950))
+            }
+            18 | 19 => {
+                let (is_named, is_anew) = draws.of(&[(true, true), (true, false), (false, true)]);
+                Self::Reboot(is_named, is_anew)
+            }
+            20 | 21 => Self::Ledger(Damage::draw(draws)),
+            22 => Self::Record(Damage::draw(draws)),
+            23 => Self::Lock,
+            24 | 25 => {
+                let disk = draws.of(&[
+                    Disk::Fails(libc::ENOSPC),
+                    Disk::Fails(libc::EROFS),
+                    Disk::Fails(libc::EIO),
+                    Disk::Hangs,
+                ]);
+                let from = draws.ms(100, 1100);
+                let from = (draws.below(2) == 0).then_some(from);
+                let whose = draws.of(&[RUN, GUARDIAN, RUN | GUARDIAN]);
+                Self::Disk(disk, whose, from, draws.ms(100, 3000))
+            }
+            26 => draws.of(&[Self::NoFolder, Self::OthersFolder]),
+            27 => Self::Two(draws.ms(0, 1400)),
+            28 => Self::Port,
+            _ => Self::Off,
+        }
+    }
+
+    /// Its kind, in words.
+    pub const fn kind(self) -> &'static str {
+        match self {
+            Self::Clean => "clean run",
+            Self::Kill(Killed::Run, _) => "run killed",
+            Self::Kill(Killed::Guardian, _) => "guardian killed",
+            Self::Kill(Killed::Both, _) => "both killed",
+            Self::Reboot(..) => "reboot",
+            Self::Ledger(_) => "ledger damaged",
+            Self::Record(_) => "record damaged",
+            Self::Lock => "newer lock",
+            Self::Disk(Disk::Fails(_), ..) => "disk fails",
+            Self::Disk(Disk::Hangs, ..) => "disk hangs",
+            Self::NoFolder => "no folder",
+            Self::OthersFolder => "folder of another user",
+            Self::Two(_) => "two programs",
+            Self::Port => "another number",
+            Self::Off => "hil off",
+        }
+    }
+}
