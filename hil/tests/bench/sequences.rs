@@ -91,7 +91,11 @@ impl<'a> World<'a> {
         }
         self.starts += 1;
         let file = format!("named-{}.toml", self.starts);
-        fs::write(self.bench.path(&file), self.bench.text_on(&[name.clone()])).unwrap();
+        fs::write(
+            self.bench.path(&file),
+            self.bench.text_on(std::slice::from_ref(name)),
+        )
+        .unwrap();
         let scene = self.bench.scene(length_s);
         let own = [
             env!("CARGO_BIN_EXE_hil"),

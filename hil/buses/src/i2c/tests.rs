@@ -113,7 +113,7 @@ fn the_driver_tries_passing_faults_three_times_and_others_once() {
 }
 
 /// Tells the priority of the thread that transfers.
-struct Ranked(std::sync::mpsc::Sender<Option<u8>>);
+struct Ranked(Sender<Option<u8>>);
 
 impl Adapter for Ranked {
     fn name(&self) -> String {
