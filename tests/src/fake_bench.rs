@@ -20,7 +20,7 @@ pub const ADAPTERS: usize = 8;
 pub const NODE_MODE: u32 = 0o1666;
 /// The major number of I2C adapters. `sys/dev/char/MAJOR:NUMBER/device` in the bench's folder leads to the device.
 pub const MAJOR: u32 = 89;
-/// A file of the bench's folder that takes the place of the kernel's name for this start of the machine, where it is there.
+/// The file of the bench's folder that stands in for the kernel's name of this start of the machine, if there is one.
 pub const BOOT_ID: &str = "boot_id";
 /// Chips that an adapter may have.
 pub const CHIPS: usize = 4;
@@ -55,7 +55,7 @@ impl ClockPage {
         }
     }
 
-    /// What CLOCK_BOOTTIME is to the program when it truly is this.
+    /// The value that CLOCK_BOOTTIME has for the program at a true time.
     pub fn uptime(&self, real_ns: i64) -> i64 {
         real_ns.saturating_sub(self.started_ns.load(Ordering::Acquire))
     }

@@ -189,13 +189,13 @@ impl BusLock {
     }
 }
 
-/// Who holds a lock on this file, as far as the system tells.
+/// The process that holds a lock on this file, if the system tells.
 fn holder(file: &File) -> Option<u32> {
     let inode = file.metadata().ok()?.ino().to_string();
     holder_in(&fs::read_to_string("/proc/locks").ok()?, &inode)
 }
 
-/// Who holds a lock on a file, by lines of `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.
+/// The process that holds a lock on a file, by lines of `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.
 fn holder_in(locks: &str, inode: &str) -> Option<u32> {
     locks.lines().find_map(|line| {
         let mut words = line.split_whitespace().filter(|w| *w != "->");

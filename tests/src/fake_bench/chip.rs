@@ -60,8 +60,8 @@ impl Chip {
         self.address != 0 && (address == self.address || hears_all && address == all)
     }
 
-    /// How wide the pulses of each channel are, ticks of 4096: of those that make any while it is awake and they are not full
-    /// off. All of a period where a channel is full on.
+    /// The width of each channel's pulses, ticks: zero for one that is off and while the chip sleeps, a whole period for one that
+    /// is full on.
     pub fn widths(&self) -> Widths {
         if self.address == 0 || self.mode1() & mode1::SLEEP != 0 {
             return [0; CHANNELS];
@@ -157,7 +157,7 @@ impl State {
         }
     }
 
-    /// What the chips drive: the widths of their pulses.
+    /// The widths of the pulses that the chips drive.
     pub fn widths(&self) -> [Widths; CHIPS] {
         self.chips.map(|chip| chip.widths())
     }
@@ -217,7 +217,7 @@ pub fn packed(widths: &[Widths; CHIPS]) -> [u64; WIDTH_WORDS] {
     })
 }
 
-/// What [`packed`] made words of.
+/// The widths that [`packed`] made words of.
 pub fn unpacked(words: &[u64; WIDTH_WORDS]) -> [Widths; CHIPS] {
     std::array::from_fn(|chip| {
         std::array::from_fn(|channel| {

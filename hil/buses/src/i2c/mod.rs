@@ -69,7 +69,7 @@ struct Request {
     address: u8,
     write: Vec<u8>,
     read: usize,
-    /// The real-time priority of who waits for the answer.
+    /// The real-time priority of the caller, who waits for the answer.
     priority: Option<u8>,
     answer: oneshot::Sender<Answer>,
 }
@@ -89,7 +89,7 @@ pub struct Line {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the thread of a bus does until its last caller is gone, with the priority of who waits for it.
+/// Serves a bus until its last caller is gone. The thread takes on the real-time priority of each caller that has one.
 fn serve(mut adapter: impl Adapter, orders: &std::sync::mpsc::Receiver<Request>) {
     let mut priority = None;
     loop {

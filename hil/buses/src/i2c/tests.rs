@@ -112,7 +112,7 @@ fn the_driver_tries_passing_faults_three_times_and_others_once() {
     }
 }
 
-/// Tells the priority of the thread that transfers.
+/// An adapter that tells the priority of the thread that transfers.
 struct Ranked(Sender<Option<u8>>);
 
 impl Adapter for Ranked {

@@ -25,9 +25,9 @@ const HEAD: usize = 16;
 const TAIL: usize = 8;
 /// No file is longer: 4096 wires.
 const MOST: u64 = 4 << 20;
-/// Tries to hold a file that a run may have yet to let go of when it has ended: two seconds.
+/// How often a file is tried that a run which has ended may still hold: for two seconds.
 const TRIES: u32 = 200;
-/// Between two of them.
+/// The pause between two tries.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// FNV-1a over 64 bits: another byte anywhere is another sum.

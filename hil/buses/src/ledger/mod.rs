@@ -87,7 +87,7 @@ fn dose_of(wearer: &str) -> String {
     format!("{wearer}.dose")
 }
 
-/// Forgets heat and dose in a folder of accounts: a person's decision. Whether there was any.
+/// Forgets heat and dose in a folder of accounts: a person's decision. Returns whether there was any.
 ///
 /// # Errors
 /// [`LedgerError::Held`] while a run books there, and what the system says.
@@ -102,7 +102,7 @@ pub fn forget(folder: &Path, hardware: &[String], wearers: &[String]) -> Result<
 }
 
 impl Ledger {
-    /// Reads what a folder of accounts has of hardware and wearers, by their names, for these fingertips.
+    /// Reads the accounts of hardware and wearers in a folder, by their names, for these fingertips.
     ///
     /// # Errors
     /// [`LedgerError::Unreadable`].
