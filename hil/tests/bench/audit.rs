@@ -14,7 +14,7 @@ use crate::rig::{Bench, now_ns, on_bench};
 const CHANNELS: usize = 16;
 /// Tissue warms by no more than this in a millisecond in which a wire is on too long, degrees C: 9 K in a burst of 50 ms.
 const PER_LATE_MS: f64 = 0.2;
-/// What booking in whole pulses and microseconds may differ from the program's own, degrees C.
+/// The most by which booking in whole pulses and microseconds differs from the program's own, degrees C.
 const ROUNDED_C: f64 = 0.3;
 
 /// A channel that made pulses.
@@ -25,20 +25,20 @@ struct Burst {
     off_ns: u64,
 }
 
-/// What was driven on a bench since it was built.
+/// The account of every burst that a bench has driven since it was built.
 pub struct Audit {
     cold: Guard,
     guard: Guard,
     begun_ns: u64,
     /// Changes of each adapter that are booked.
     booked: Vec<usize>,
-    /// Since when a channel makes pulses, and how wide.
+    /// The beginning and the width of the pulses that each channel makes.
     on: Vec<[Option<(u64, u16)>; CHANNELS]>,
     /// Bursts so far.
     pub bursts: u64,
     /// The longest of them, milliseconds.
     pub longest_ms: f64,
-    /// The most that was predicted, over all that was forgotten.
+    /// The highest prediction, also of heat that was forgotten since.
     pub most: Option<Predicted>,
 }
 
@@ -62,8 +62,8 @@ impl Audit {
         self.guard = self.cold.clone();
     }
 
-    /// Books what was driven since the last time. For a bench that is off, on a machine that was late by so much meanwhile.
-    /// Whether a limit was passed, by no more than that explains.
+    /// Books the bursts since the last call. The bench has to be off; the machine was late by so much meanwhile. Returns whether a
+    /// limit was passed, and fails where lateness does not explain by how much.
     #[track_caller]
     pub fn take(&mut self, bench: &Bench, late_ms: f64) -> bool {
         let mut bursts = Vec::new();
@@ -111,7 +111,7 @@ impl Audit {
         (burst.channel, booked)
     }
 
-    /// Holds what is predicted against the limits; whether one was passed, by no more than lateness explains.
+    /// Holds the prediction against the limits. Returns whether one was passed, and fails as [`Self::take`] does.
     #[track_caller]
     fn check(&mut self, late_ms: f64) -> bool {
         let (now, limits) = (*self.guard.predicted(), self.guard.limits());

@@ -22,7 +22,7 @@ use crate::run::{Run, freeze, signal};
 /// Draws of `cargo test`.
 const FEW: u64 = 6;
 /// The burst limit of the bench, and what may come on top within the guard's own count: a PWM period and the bus.
-const BURST_MS: f64 = 50.0 + 8.0;
+pub const BURST_MS: f64 = 50.0 + 8.0;
 /// What a run is given to end.
 const END: Duration = Duration::from_secs(9);
 
@@ -30,7 +30,7 @@ const END: Duration = Duration::from_secs(9);
 pub struct Draws(pub u64);
 
 impl Draws {
-    /// A number below this.
+    /// Draws a number below a limit.
     pub fn below(&mut self, limit: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -39,12 +39,12 @@ impl Draws {
         (z ^ (z >> 31)) % limit
     }
 
-    /// One of them.
+    /// Draws one of these.
     pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len() as u64) as usize]
     }
 
-    /// A time between two, in milliseconds.
+    /// Draws a time between two, milliseconds.
     pub fn ms(&mut self, least: u64, most: u64) -> Duration {
         Duration::from_millis(least + self.below(most - least))
     }
@@ -295,7 +295,7 @@ fn play(seed: u64, kinds: &mut BTreeMap<&'static str, u64>) -> [f64; 2] {
     measured
 }
 
-/// A number that the environment may say.
+/// The number that a variable of the environment has, or another where it is not set.
 pub fn number(name: &str, other: u64) -> u64 {
     std::env::var(name).map_or(other, |n| n.parse().unwrap())
 }

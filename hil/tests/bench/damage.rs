@@ -1,29 +1,30 @@
-//! What becomes of a file that outlives a run: it is cut, a byte of it changes, or another version of the program wrote it.
+//! Damage to a file that outlives a run: it is cut, a byte of it changes, or another version of the program wrote it.
 
 use std::fs;
 use std::path::PathBuf;
 
 use crate::campaign::Draws;
 
-/// Bytes of a ledger before its version, and after all of it.
+/// Bytes of a ledger's file before its version.
 const MAGIC: usize = 8;
+/// Bytes of the sum at its end.
 const SUM: usize = 8;
 
 /// How a file is damaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// At a random byte.
+    /// It ends at a random byte.
     Cut,
     /// A random byte becomes another.
     Byte,
-    /// Written by an older version.
+    /// An older version wrote it.
     Older,
-    /// Written by a newer version.
+    /// A newer version wrote it.
     Newer,
 }
 
 impl Damage {
-    /// One of them.
+    /// Draws one.
     pub fn draw(draws: &mut Draws) -> Self {
         draws.of(&[Self::Cut, Self::Byte, Self::Older, Self::Newer])
     }
@@ -38,20 +39,20 @@ impl Damage {
     }
 }
 
-/// A file as it was.
+/// A file with the bytes that it had.
 pub struct Kept {
     path: PathBuf,
     bytes: Vec<u8>,
 }
 
 impl Kept {
-    /// Reads it.
+    /// Reads a file.
     pub fn read(path: PathBuf) -> Self {
         let bytes = fs::read(&path).unwrap();
         Self { path, bytes }
     }
 
-    /// Makes it what it was.
+    /// Gives the file its bytes back.
     pub fn restore(&self) {
         self.write(&self.bytes);
     }

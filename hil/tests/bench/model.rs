@@ -1,4 +1,4 @@
-//! What a person has to do on a bench before anybody may drive there: a model that takes part in nothing and reads no file.
+//! A model of a bench that takes part in nothing and reads no file: it says what a person has to do before anybody may drive.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::run::Said;
 
 /// Each reserve that stays booked takes 4 % of a session's dose: with fewer of them it is not spent.
 const SPENT: u32 = 12;
-/// What a run says that a slow machine or a skin that was not heard has stopped.
+/// Words of a run that a slow machine, or a skin that was not heard, has stopped.
 const SLOW: [&str; 4] = ["late-tick", "stale-input", "overrun", "the run hung"];
 
 /// An off that comes so much later than it was meant to is beyond the limit of a burst, milliseconds: bursts are 38 ms long, and
@@ -16,7 +16,7 @@ const LATE_MS: f64 = 18.0;
 /// The limit of a burst, milliseconds.
 const BURST_MS: f64 = 50.0;
 
-/// What was seen of a run.
+/// Observations of a run from outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Whether an output changed.
@@ -41,19 +41,19 @@ impl Seen {
     }
 }
 
-/// Whether something is so that makes runs be refused.
+/// Knowledge of something that makes runs be refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Known {
-    /// It is not.
+    /// It is not so.
     #[default]
     No,
     /// Nobody can know: the next run says.
     Maybe,
-    /// It is.
+    /// It is so.
     Yes,
 }
 
-/// What a run that nothing forbids may do.
+/// The ends that a run may have which nothing forbids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum May {
     /// It ends in order.
@@ -66,7 +66,7 @@ pub enum May {
     Refuse,
 }
 
-/// What a person has to do on a bench, and what has happened there so far.
+/// The state of a bench as a person knows it, and counts of what has happened there.
 #[derive(Default)]
 pub struct Model {
     /// Whether a stop is latched.
@@ -79,12 +79,12 @@ pub struct Model {
     pub whole: Option<(Kept, Known)>,
     /// Runs whose reserve may have stayed booked.
     pub booked: u32,
-    /// What has happened how often.
+    /// Counts of what has happened, by name.
     pub counts: BTreeMap<&'static str, u64>,
 }
 
 impl Model {
-    /// Counts what has happened.
+    /// Counts something that has happened.
     pub fn count(&mut self, what: &'static str) {
         *self.counts.entry(what).or_default() += 1;
     }
@@ -94,7 +94,7 @@ impl Model {
         self.stop == Known::Yes || self.unreadable == Known::Yes
     }
 
-    /// Holds a run against what is known.
+    /// Fails where a run contradicts what is known, and learns from it.
     #[track_caller]
     pub fn judge(&mut self, said: &Said, seen: Seen, may: May) {
         let drove = seen.drove;

@@ -36,7 +36,7 @@ pub fn on_bench(adapters: usize, test: impl Fn(&Bench)) {
     tried(3, adapters, test);
 }
 
-/// The same without a second try: for a test that says itself what a slow machine changes.
+/// Runs a test once on a bench of so many adapters: one that says itself what a slow machine changes.
 pub fn once_on_bench(adapters: usize, test: impl Fn(&Bench)) {
     tried(1, adapters, test);
 }
@@ -365,7 +365,7 @@ impl Bench {
         self.metronome.worst_us.load(Ordering::Relaxed) as f64 * 1e-3
     }
 
-    /// The same since the last time.
+    /// The worst lateness since the last call, milliseconds.
     pub fn take_lateness(&self) -> f64 {
         self.metronome.worst_us.swap(0, Ordering::Relaxed) as f64 * 1e-3
     }

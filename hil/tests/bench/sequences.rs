@@ -15,7 +15,7 @@ use nix::time::ClockId;
 use palpate_tests::fake_bench::{BOOT_ID, Chip, RUN};
 
 use crate::audit::Audit;
-use crate::campaign::{Draws, number};
+use crate::campaign::{BURST_MS, Draws, number};
 use crate::damage::{Damage, Kept};
 use crate::ledger::guard;
 use crate::model::{Known, May, Model, Seen};
@@ -26,14 +26,13 @@ use crate::steps::{Disk, Killed, Step};
 
 /// Sequences of `cargo test`, and their steps.
 const FEW: [u64; 2] = [2, 6];
-/// What a run is given to end.
+/// The patience with a run that is to end.
 const END: Duration = Duration::from_secs(20);
-/// How long a run is, and one that is killed before its end or has another one beside it, seconds.
+/// The length of a run, seconds.
 const LENGTH_S: f64 = 1.2;
+/// The length of a run that is killed before its end or has another one beside it, seconds.
 const KILLED_S: f64 = 2.0;
-/// The burst limit of the bench, and what may come on top within the guard's own count: a PWM period and the bus.
-const BURST_MS: f64 = 50.0 + 8.0;
-/// Where no folder can be made.
+/// The state folder in a place where none can be made.
 const NOWHERE: &str = "PALPATE_STATE=/proc/nope";
 
 /// A bench, what a person has to do there before anybody may drive, and what was driven.
@@ -46,9 +45,9 @@ struct World<'a> {
     adapter: usize,
     model: Model,
     starts: u32,
-    /// When the step began.
+    /// The begin of the step, nanoseconds.
     begun_ns: u64,
-    /// What has happened, for who reads a failure.
+    /// Steps and a person's deeds in words, for who reads a failure.
     story: Vec<String>,
 }
 
@@ -195,7 +194,7 @@ impl<'a> World<'a> {
         });
     }
 
-    /// A run to its end.
+    /// Runs to the end.
     fn run(&mut self, may: May) {
         let before = self.changes();
         let run = self.start(LENGTH_S, false, None);
@@ -209,7 +208,7 @@ impl<'a> World<'a> {
         self.judge(&said, drove, may);
     }
 
-    /// Everything is over: what was driven is booked.
+    /// Books the bursts of a step that is over.
     fn settle(&mut self) {
         self.bench.wait_until_alone();
         assert!(!self.bench.is_on(), "left on");
@@ -275,7 +274,7 @@ impl<'a> World<'a> {
         self.model.count("deaths");
     }
 
-    /// Both processes are dead: what hardware does, which takes the boards' outputs off when the bus is silent.
+    /// Takes all outputs off, as a watchdog on the boards does once the bus is silent: both processes are dead.
     fn watchdog(&self) {
         for page in &self.bench.adapters {
             page.change(now_ns, |state| {

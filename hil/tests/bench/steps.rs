@@ -8,12 +8,12 @@ use palpate_tests::fake_bench::{GUARDIAN, RUN};
 use crate::campaign::Draws;
 use crate::damage::Damage;
 
-/// What is killed.
+/// The processes that are killed.
 #[derive(Clone, Copy, Debug)]
 pub enum Killed {
     /// The run.
     Run,
-    /// Its guardian.
+    /// The guardian.
     Guardian,
     /// Both at once.
     Both,
@@ -22,34 +22,34 @@ pub enum Killed {
 /// How the state folder fails, for [`RUN`], [`GUARDIAN`] or both.
 #[derive(Clone, Copy, Debug)]
 pub enum Disk {
-    /// With this error number.
+    /// Each call fails with this error number.
     Fails(i32),
-    /// It does not answer.
+    /// No call returns.
     Hangs,
 }
 
-/// What a step is. Each begins at least one run.
+/// A step of a sequence. Each begins at least one run.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
     /// A run that nothing disturbs.
     Clean,
-    /// Of a run, at a random moment.
+    /// A run of which processes are killed at a random moment.
     Kill(Killed, Duration),
     /// Another name for this start of the machine, and whether its clocks begin anew.
     Reboot(bool, bool),
     /// A file of the ledger is damaged.
     Ledger(Damage),
-    /// The record of a stop is.
+    /// The record of a stop is damaged.
     Record(Damage),
     /// The file of the lock is of a newer version.
     Lock,
-    /// From the run's begin, or this long after it, and for how long.
+    /// The disk fails from the run's begin, or this long after it, for so long.
     Disk(Disk, u32, Option<Duration>, Duration),
     /// The state folder cannot be made.
     NoFolder,
-    /// The folder is another user's.
+    /// The state folder is another user's.
     OthersFolder,
-    /// Two programs, the second so much later.
+    /// Two programs run, the second so much later.
     Two(Duration),
     /// The adapter comes back under another number.
     Port,
@@ -58,7 +58,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// One of them.
+    /// Draws one.
     pub fn draw(draws: &mut Draws) -> Self {
         match draws.below(30) {
             0..14 => Self::Clean,
@@ -92,7 +92,7 @@ impl Step {
         }
     }
 
-    /// Its kind, in words.
+    /// The kind of a step, in words.
     pub const fn kind(self) -> &'static str {
         match self {
             Self::Clean => "clean run",
