@@ -23,11 +23,11 @@ function cpu(pid) {
   return used;
 }
 
-// A page that takes every picture, and does nothing with it.
-function page(base) {
-  const { host, port, hostname } = new URL(base), seen = { bytes: 0, over: false };
+// A page that takes every picture, and does nothing with it; or one that only lets the run begin, and goes.
+function page(base, goes) {
+  const { host, port, hostname } = new URL(base), seen = { bytes: 0 };
   const socket = connect(+port, hostname, () => socket.write(`GET /live HTTP/1.1\r\nHost: ${host}\r\nOrigin: http://${host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n`));
-  socket.on("data", data => { seen.bytes += data.length; });
+  socket.on("data", data => { seen.bytes += data.length; if (goes) socket.destroy(); });
   socket.on("error", () => {});
   return seen;
 }
@@ -39,7 +39,8 @@ async function served(pages, name) {
   run.stderr.on("data", data => {
     told += data;
     const base = /(http:\S+\/)/.exec(told)?.[1];
-    if (base && !seen.length) seen = Array.from({ length: pages }, () => page(base));
+    if (base && !seen.length) seen = [page(base, !pages)];
+    if (/the page stays/.test(told)) run.kill("SIGINT");
   });
   // Of the run without what comes after it: its records are written then.
   const began = performance.now();
@@ -48,7 +49,7 @@ async function served(pages, name) {
     try { used = { ...cpu(run.pid), at: (performance.now() - began) / 1000 }; } catch { break; }
   }
   assert.equal(await ended, 0, told);
-  for (const { bytes } of seen) assert(bytes > 5000 * length, `a page got ${bytes} bytes only`);
+  if (pages) assert(seen[0].bytes > 5000 * length, `a page got ${seen[0].bytes} bytes only`);
   return { loop: used.loop / used.at, others: used.others / used.at, bytes: seen[0]?.bytes ?? 0 };
 }
 

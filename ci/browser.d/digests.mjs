@@ -13,12 +13,12 @@ const { Loop } = await import(pathToFileURL(join(site, "palpate.js")));
 const loop = await Loop.load(readFileSync(join(site, "palpate.wasm")));
 loop.model(readFileSync(join(site, "model.safetensors")));
 const folder = mkdtempSync(join(tmpdir(), "palpate-"));
-const scenes = loop.ask({ do: "shelves" }).scenes.map(scene => scene.name);
+const scenes = loop.ask({ do: "shelves" }).scenes;
 try {
-  for (const scene of scenes) {
-    const run = loop.ask({ do: "run", scene, bench: "emulated" });
+  for (const { name: scene, bench = "emulated" } of scenes) {
+    const run = loop.ask({ do: "run", scene, bench });
     const [schedule, contacts] = ["jsonl", "csv"].map(ending => join(folder, `${scene}.${ending}`));
-    const native = spawnSync(hil, ["run", scene, "--bench", "emulated", "--quiet", "--record", schedule, "--record", contacts], { encoding: "utf8" });
+    const native = spawnSync(hil, ["run", scene, "--bench", bench, "--quiet", "--record", schedule, "--record", contacts], { encoding: "utf8" });
     // 1: a scene that passes a limit, as `stuck-amplifier` does.
     assert([0, 1].includes(native.status), `${scene}: ${native.stderr}`);
     assert(readFileSync(schedule, "utf8") === run.lines, `${scene}: the schedule differs`);

@@ -11,6 +11,7 @@ const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.jso
 const [hil, pictures] = process.argv.slice(2);
 const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM, args: ["--no-sandbox"] });
 
+// A run with its page; it begins once a page is open.
 async function serve(port, ...args) {
   const run = spawn(hil, ["run", ...args, "--serve", port, "--quiet"], { stdio: ["ignore", "ignore", "pipe"] });
   const ended = new Promise(done => run.on("exit", done));
@@ -66,6 +67,47 @@ for (const { page, close } of [one, two]) {
 }
 assert.equal(await ended, 0);
 console.log("live: stop ok");
+
+// A run that comes to its end stays in its page, with what was measured beside what the guard counted; a page that opens
+// then sees the same. Ctrl-C ends it.
+const short = await serve("0", "sphere-along", "--set", "length_s=3"), whole = await open(short.base, { width: 390, height: 844 });
+await whole.page.waitForFunction(() => palpate.over, null, { timeout: 30000 });
+const late = await open(short.base, { scheme: "dark" });
+for (const { page, close } of [whole, late]) {
+  await page.waitForFunction(() => document.getElementById("used").classList.contains("both"));
+  const pulse = await page.$$eval("#used-pulse em", all => all.map(e => e.textContent));
+  // No current is longer than what the guard passed; a page that came late has seen nothing of that.
+  assert(page === late.page ? pulse[0] === "\u2013" : parseFloat(pulse[0]) >= parseFloat(pulse[1]), `pulse: ${pulse}`);
+  const [name, guard, measured] = await page.$eval("#used-burst", row => [row.querySelector("span").textContent, ...[...row.querySelectorAll("em")].map(e => e.textContent)]);
+  assert.deepEqual([name, measured], ["burst", "61 %"]);
+  assert(page === late.page || parseFloat(guard) >= 61, `the guard counted ${guard}`);
+  assert.match(await page.textContent("#over"), /The run is over/);
+  assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "wider than the screen");
+  await accessible(page, "live, measured");
+  if (pictures) await page.screenshot({ path: join(pictures, `live-measured-${page === late.page ? 1280 : 390}.png`), fullPage: true });
+  await close();
+}
+short.run.kill("SIGINT");
+assert.equal(await short.ended, 0);
+console.log("live: stays ok");
+
+// With --loop another run follows in the same page.
+const loop = await serve("0", "idle", "--set", "length_s=1.5", "--loop"), watching = await open(loop.base);
+const first = await watching.page.evaluate(() => palpate.run);
+await watching.page.waitForFunction(run => palpate.run !== run && palpate.picture?.now_us > 0 && !palpate.over, first, { timeout: 30000 });
+await watching.page.click("#stop");
+await watching.page.waitForFunction(() => palpate.over && /STOPPED/.test(document.getElementById("over").textContent), null, { timeout: 10000 });
+assert.equal(await loop.ended, 0);
+await watching.page.context().close();
+console.log("live: loop ok");
+
+// On a phone the finger stays in view while the skin is.
+const phone = await serve("0", "sphere-circle", "--set", "length_s=600"), hand = await open(phone.base, { width: 390, height: 844 });
+const boxes = await hand.page.evaluate(() => ["pad", "flat"].map(id => { const { top, bottom } = document.getElementById(id).getBoundingClientRect(); return [id, top, bottom]; }));
+for (const [id, top, bottom] of boxes) assert(top >= 0 && bottom <= 844, `${id} is out of view: ${top} to ${bottom}`);
+await hand.close();
+phone.run.kill("SIGKILL");
+console.log("live: phone ok");
 
 // Pictures that did not come are counted; a run that dies leaves its last one; the next at that address is another run.
 const dying = await serve("0", "sphere-circle", "--set", "length_s=600"), last = await open(dying.base);

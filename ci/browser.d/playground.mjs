@@ -77,6 +77,12 @@ async function twoFingers() {
   };
   await send("touchStart", [[1, [-5, 5], 0.4]]);
   await send("touchStart", [[1, [-5, 5], 0.4], [2, [5, -3], 0.7]]);
+  // A contact for each, near its finger.
+  await pass(page, 600000);
+  const [fingers, contacts] = [await touches(page), await page.evaluate(() => palpate.picture.contacts.map(c => c.on_mm))];
+  assert.equal(contacts.length, 2, "a contact for each finger");
+  for (const finger of fingers) assert(contacts.some(at => apart(at, finger) < 1), `${finger}: contacts at ${contacts.join("; ")}`);
+  assert.match(await page.textContent("#felt-place"), /several contacts/);
   for (let n = 0; n <= 20; n++) {
     await send("touchMove", [[1, [-5 + n * 0.3, 5 - n * 0.2], 0.4], [2, [5, -3 + n * 0.1], 0.7]]);
     await pass(page, 20000);
@@ -91,6 +97,7 @@ async function twoFingers() {
   const [[touch], met] = [await touches(page), await felt(page)];
   assert(met?.level >= 0, `felt: ${JSON.stringify(met)}`);
   assert(apart(met.at, touch) < 1, `felt at ${met.at}, touched at ${touch}`);
+  assert.equal(await page.textContent("#felt-from"), "From the true place");
   await send("touchEnd", []);
   await pass(page, 1e6);
   assert.deepEqual(await touches(page), []);
@@ -233,6 +240,14 @@ async function badInput() {
   await alone.close();
 }
 
+// On a phone skin and finger are in view together.
+async function phone() {
+  const { page, close } = await open({ width: 390, height: 844, touch: true });
+  const boxes = await page.evaluate(() => ["pad", "flat", "solid"].map(id => { const { top, bottom } = document.getElementById(id).getBoundingClientRect(); return [id, top, bottom]; }));
+  for (const [id, top, bottom] of boxes) assert(top >= 0 && bottom <= 844, `${id} is out of view: ${top} to ${bottom}`);
+  await close();
+}
+
 async function everywhere() {
   for (const [width, height] of [[390, 844], [768, 1024], [1280, 900], [2560, 1440], [3840, 2160]])
     for (const scheme of ["light", "dark"]) {
@@ -296,7 +311,7 @@ async function memory() {
   await close();
 }
 
-for (const check of [twoFingers, mouseAndShare, keyboard, choices, badInput, everywhere, measure, memory]) {
+for (const check of [twoFingers, mouseAndShare, keyboard, choices, badInput, phone, everywhere, measure, memory]) {
   await check();
   console.log(`playground: ${check.name} ok`);
 }

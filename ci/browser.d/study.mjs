@@ -88,6 +88,12 @@ const record = number => readFileSync(join(out, "records", `participant-${number
   const { page, heard, close } = await open(base);
   const other = await open(`${base}experimenter`, { width: 1280, height: 900, touch: false });
   await on(page, "begin");
+  // Before Begin the experimenter knows what it will be.
+  await other.page.waitForFunction(() => /page is there/.test(document.getElementById("seat").textContent));
+  const about = await other.page.evaluate(() => ["source", "protocol", "participant", "bench", "count", "dose", "step"].map(id => document.getElementById(id).textContent).join(" | "));
+  assert.match(about, /^EMULATED \| short \| 1 \| emulated \| 0 of 7 trials, 0 void \| [\d.]+ % of what a session may have \| Waits until/);
+  await accessible(other.page, "study experimenter before");
+  await shot(other.page, "experimenter-before");
   await shot(page, "begin");
   await accessible(page, "study begin");
   await page.tap('text="Begin"');

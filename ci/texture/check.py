@@ -52,7 +52,7 @@ def main(hil):
                 model, onnx = folder / "model.safetensors", folder / "model.onnx"
                 script = [sys.executable, HERE / "import.py", kind, source, model, "--scale", folder / "scale.csv"]
                 subprocess.run(script, check=True)
-                subprocess.run([hil, "texture", "export", model, onnx], check=True)
+                subprocess.run([hil, "texture", "export", model, "--out", onnx], check=True)
                 tensors = load_file(model)
                 session = onnxruntime.InferenceSession(onnx, providers=["CPUExecutionProvider"])
                 found = session.run(None, {"raw": tensors["golden.window"][:, None, :]})[0][0]

@@ -93,11 +93,20 @@ export class Finger {
     this.marks(context, picture, ([mx, my]) => [x(mx), y(my), 1], k);
   }
 
-  // Contacts, felt places and their trail, by a function from the surface to the drawing.
+  // Contacts, fingers, felt places and their trail, by a function from the surface to the drawing.
   marks(context, picture, to, k) {
     for (const contact of picture.contacts) {
       const at = contact.on_mm && to(contact.on_mm);
       if (at?.[2]) disc(context, at[0], at[1], 11 * unit, null, colors.truth, 3);
+    }
+    for (const [, place] of picture.fingers) {
+      const at = to(place), arm = 15 * unit;
+      if (!at[2]) continue;
+      context.strokeStyle = colors.fg;
+      context.lineWidth = 1.5 * unit;
+      context.beginPath();
+      context.moveTo(at[0] - arm, at[1]); context.lineTo(at[0] + arm, at[1]); context.moveTo(at[0], at[1] - arm); context.lineTo(at[0], at[1] + arm);
+      context.stroke();
     }
     this.trail.forEach((felt, i) => {
       const at = to(felt.at_mm);

@@ -30,7 +30,7 @@ class Page {
   hear(message) {
     if (message.hello) this.begin(message.hello);
     if (message.picture) this.take(message);
-    if (message.over) this.end(message.over);
+    if (message.over) this.end(message.over, message.measured);
   }
 
   // A run, or one more of its displays; the same run again after a lost connection goes on.
@@ -42,7 +42,7 @@ class Page {
     by("which").hidden = hello.heads.length < 2;
     by("which-display").value = this.display;
     if (!fresh) return;
-    Object.assign(this, { missed: 0, lost: null });
+    Object.assign(this, { missed: 0, lost: null, over: false });
     by("over").hidden = true;
     by("stop").disabled = false;
     by("stop").textContent = "STOP";
@@ -102,6 +102,7 @@ class Page {
   }
 
   state() {
+    if (this.over) return;
     const missed = this.missed ? `, ${this.missed} ${this.missed === 1 ? "picture" : "pictures"} missed` : "";
     const held = this.picture?.stopped ? `; outputs held off: ${this.picture.stopped}` : "";
     put("line", `live${missed}${held}`);
@@ -110,6 +111,8 @@ class Page {
 
   // Whether the line is up.
   stand(up) {
+    // The program has ended too: nothing more will come.
+    if (this.over && !up) this.link.close();
     if (this.over) return;
     by("line").classList.toggle("lost", !up);
     put("line", up ? "connected" : unlinked(this.run));
@@ -123,9 +126,9 @@ class Page {
     by("stop").disabled = true;
   }
 
-  end(line) {
+  end(line, measured) {
     this.over = true;
-    this.link.close();
+    this.panels.summary(measured);
     by("over").hidden = false;
     put("over", `The run is over. ${line}`);
     put("line", "over");

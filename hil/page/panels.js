@@ -1,13 +1,13 @@
 // What a page says in words and numbers: what is felt, limits, wires, notes.
 import { number } from "palpate/draw.js";
+import { LIMITS, measured } from "palpate/limits.js";
 
 const by = id => document.getElementById(id);
 const make = (tag, about, ...children) => { const element = Object.assign(document.createElement(tag), about); element.append(...children); return element; };
-const LIMITS = {
-  pulse: "pulse width", burst: "burst length", burst_energy: "burst energy", wire_power: "wire power", fingertip_power: "fingertip power", supply: "supply current",
-  skin_mean: "skin, 10 s mean", skin_peak: "skin, 0.1 mm", skin_deep: "skin, 0.4 mm", omega: "dose, \u03a9", cem43: "dose, CEM43",
-};
-const NOTES = 60, EVERY = 6;
+// Notes that are kept, pictures from number to number, and how long a felt place is the newest one, us.
+const NOTES = 60, EVERY = 6, HOLDS_US = 400000;
+// A page whose first picture is later has not seen a run from its begin, us.
+const LATE_US = 1e6;
 const db = value => `${number(value, 1)} dB`;
 const set = (id, text) => { const element = by(id); if (element.textContent !== text) element.textContent = text; };
 
@@ -15,8 +15,10 @@ export class Panels {
   open(head) {
     this.head = head;
     this.count = 0;
-    this.worst = {};
-    by("used").replaceChildren(...Object.entries(LIMITS).map(([key, name]) => make("li", { id: `used-${key}` }, make("span", { textContent: name }), make("span", { className: "meter" }, make("i")), make("em", { textContent: "0 %" }))));
+    Object.assign(this, { worst: {}, since: undefined, late: false });
+    by("used").replaceChildren(...Object.entries(LIMITS).map(([key, name]) => make("li", { id: `used-${key}` }, make("span", { textContent: name }), make("span", { className: "meter" }, make("i"), make("b")), make("em", { textContent: "0 %" }))));
+    by("used").classList.remove("both");
+    this.feltAt = -Infinity;
     by("lanes").replaceChildren(...head.wires_mm.map((_, i) => make("li", { textContent: i })));
     by("wires").replaceChildren(...head.wires_mm.map((_, i) => {
       const swatch = make("i", { className: "swatch" });
@@ -24,9 +26,8 @@ export class Panels {
       return make("tr", {}, make("td", {}, swatch, `${i}`), make("td"), make("td"));
     }));
     by("notes").replaceChildren(make("li", { className: "none", textContent: "nothing to tell" }));
-    by("felt-place").textContent = "nothing yet";
-    for (const id of ["felt-error", "felt-level", "felt-band"]) by(id).textContent = "\u2013";
-    by("level-mark").style.opacity = by("level-band").style.width = 0;
+    set("felt-from", "From the contact");
+    this.feltNowhere("nothing yet");
   }
 
   take(picture) {
@@ -37,9 +38,22 @@ export class Panels {
 
   happened(picture) {
     for (const note of picture.notes) this.note(...note);
+    this.since ??= picture.now_us;
+    const most = (key, share) => { this.worst[key] = Math.max(this.worst[key] ?? 0, Number.isFinite(share) ? share : 10); };
+    for (const [key, share] of picture.used) most(key, share);
+    // Pulses are over between two looks at the guard.
+    if (picture.used.length) for (const burst of picture.bursts) most("pulse", burst.ticks / this.head.widest_ticks);
     for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: wire ${burst.wire} has ${burst.ticks} of ${burst.asked} ticks: ${burst.reason}`);
     const felt = picture.felt.at(-1);
-    if (felt) this.felt(felt);
+    if (felt) this.felt(felt, picture);
+    // One felt place is held against one contact: of several there is none.
+    else if (picture.contacts.length > 1 && picture.now_us - this.feltAt > HOLDS_US) this.feltNowhere("several contacts, no one place");
+  }
+
+  feltNowhere(why) {
+    set("felt-place", why);
+    for (const id of ["felt-error", "felt-level", "felt-band"]) set(id, "\u2013");
+    by("level-mark").style.opacity = by("level-band").style.width = 0;
   }
 
   numbers(picture) {
@@ -64,15 +78,33 @@ export class Panels {
     return `${skin}${stimuli} ${stimuli === 1 ? "stimulus" : "stimuli"} so far, ${limited} limited by the guard`;
   }
 
+  // The bar is now; mark and number are the most so far, which a summary is compared with.
   limit(key, share) {
-    const row = by(`used-${key}`), part = Number.isFinite(share) ? Math.max(share, 0) : 10, over = part > 1.0005;
-    row.classList.toggle("over", over);
+    const row = by(`used-${key}`), part = Number.isFinite(share) ? Math.max(share, 0) : 10, most = Math.max(this.worst[key] ?? 0, part);
+    row.classList.toggle("over", most > 1.0005);
     row.querySelector("i").style.transform = `scaleX(${Math.min(part, 1)})`;
-    const text = part > 10 ? `${number(part, 0)} x` : `${number(part * 100, 0)} %`;
-    if (row.lastChild.textContent !== text) row.lastChild.textContent = text;
+    row.querySelector("b").style.left = `${100 * Math.min(most, 1)}%`;
+    const text = most > 10 ? `${number(most, 0)} x` : `${number(most * 100, 0)} %`, told = row.querySelector("em");
+    if (!this.late && told.textContent !== text) told.textContent = text;
   }
 
-  felt({ at_mm, target_mm, level_db, band_db, tap }) {
+  // What the summary of a run that is over measured, beside what the guard counted; a page that came late knows little of that.
+  summary(rows) {
+    if (!rows.length || by("used").classList.contains("both")) return;
+    this.late = !(this.since < LATE_US);
+    for (const key of Object.keys(LIMITS)) {
+      by(`used-${key}`)?.append(make("em", { textContent: measured(key, rows) ?? "\u2013" }));
+      if (this.late && by(`used-${key}`)) by(`used-${key}`).querySelector("em").textContent = "\u2013";
+    }
+    by("used").prepend(make("li", { className: "heads" }, make("span"), make("span"), make("em", { textContent: "guard" }), make("em", { textContent: "measured" })));
+    by("used").classList.add("both");
+  }
+
+  felt({ at_us, at_mm, target_mm, level_db, band_db, tap }, { fingers, spheres }) {
+    // Where one thing alone touches an emulated skin, its place is known.
+    const known = this.head.source !== "real" && fingers.length + spheres.filter(sphere => sphere[2] > 0).length === 1;
+    this.feltAt = at_us;
+    set("felt-from", known ? "From the true place" : "From the contact");
     const met = Boolean(at_mm), reached = met && level_db >= 0, mark = by("level-mark"), band = by("level-band"), x = v => `${Math.min(100, Math.max(0, (v + 30) / 0.6))}%`;
     set("felt-place", reached ? `(${number(at_mm[0], 1)}, ${number(at_mm[1], 1)}) mm${tap ? ", a tap" : ""}` : met ? "not felt: below threshold" : "not felt: no wire moved");
     set("felt-error", reached ? `${number(Math.hypot(at_mm[0] - target_mm[0], at_mm[1] - target_mm[1]), 2)} mm` : "\u2013");

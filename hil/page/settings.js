@@ -1,6 +1,8 @@
 // What a session is of: what the page offers, what was chosen, and how that is told to the loop.
 const FIELDS = { skin: "layout", illusion: "illusion.model", renderer: "illusion.render", person: "illusion.person", contacts: "compression.kc", display: "bench.display", wires: "bench.wire.kind" };
-const AS_IS = { skin: "as the scene has it", illusion: "as the scene has it", renderer: "as the scene has it", person: "as the scene has it", contacts: "as the scene has it", display: "as the bench has it", wires: "as the bench has it" };
+// K_C grows with the fingers up to this.
+const MOST_CONTACTS = 4;
+const AS_IS = { skin: "as the scene has it", illusion: "as the scene has it", renderer: "as the scene has it", person: "as the scene has it", contacts: `one for each finger, ${MOST_CONTACTS} at most`, display: "as the bench has it", wires: "as the bench has it" };
 
 export class Settings {
   constructor(form, shelves, change) {
@@ -12,7 +14,11 @@ export class Settings {
     this.choose({ scene: "idle", bench: "emulated", set: [], observe: false });
     form.addEventListener("change", event => {
       // A scene or bench of one's own choice begins with what it says itself.
-      if (event.target.name === "scene") for (const field of ["skin", "illusion", "renderer", "contacts"]) this.fields[field].value = "";
+      if (event.target.name === "scene") {
+        for (const field of ["skin", "illusion", "renderer", "contacts"]) this.fields[field].value = "";
+        const own = shelves.scenes.find(offer => offer.name === this.fields.scene.value)?.bench;
+        if (own) this.fields.bench.value = own;
+      }
       if (event.target.name === "bench") for (const field of ["display", "wires"]) this.fields[field].value = "";
       this.text = null;
       change();
@@ -42,6 +48,7 @@ export class Settings {
   chosen() {
     const stated = Object.entries(FIELDS).filter(([field]) => this.fields[field].value);
     const set = stated.map(([field, key]) => `${key}=${this.fields[field].value}`);
+    if (!this.fields.contacts.value) set.push(`compression.kc_touches=${MOST_CONTACTS}`);
     const { scene, bench, observe } = this.fields, common = { bench: bench.value, set, observe: observe.checked, seed: this.seed };
     // A session's own scene has its changes in it.
     return this.text ? { text: this.text, ...common, set: set.filter(each => each.startsWith("bench.")) } : { scene: scene.value, ...common };

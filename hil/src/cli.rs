@@ -4,7 +4,11 @@ mod compare;
 mod design;
 mod files;
 mod hardware;
+mod help;
 mod identify;
+mod meant;
+mod names;
+pub(crate) mod ranges;
 mod study;
 mod sweep;
 mod texture;
@@ -22,7 +26,10 @@ pub use files::{
     ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire, Shelf,
 };
 pub use hardware::{DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, RecordArgs, ReplayArgs};
+pub use help::{command, shown};
 pub use identify::{IdentifyArgs, SignalArg};
+pub use meant::meant;
+pub use names::{VARIABLE, complete};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
@@ -139,62 +146,83 @@ pub enum Threshold {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run a scene (default: a rolling sphere) or a recording on a bench, and print a summary.
+    /// Run a scene or a recording on a bench, and print a summary.
+    ///
+    /// Without a scene a sphere rolls over the skin (`sphere-along`).
     Run(Box<RunArgs>),
-    /// Find the contacts in each frame of a recording, and print them as CSV.
+    /// Find the contacts in each frame of a recording, as CSV.
     Contacts(ContactsArgs),
-    /// Serve the emulators to other programs until stopped: boards on CAN interfaces, the display behind
-    /// a /dev/i2c-N.
+    /// Serve emulated boards and displays to other programs.
+    ///
+    /// Boards stand on CAN interfaces, the display behind a /dev/i2c-N, until stopped.
     Emulate(EmulateArgs),
-    /// Be a driver unit until stopped: it plays what a host sends over UDP, with a guard of its own, on emulated boards or
-    /// those of an I2C adapter.
+    /// Be a driver unit, which plays what a host sends.
+    ///
+    /// What comes over UDP goes through a guard of its own to emulated boards, or to those of an I2C adapter, until stopped.
     Unit(UnitArgs),
-    /// Run a scene with its page for browsers, as `hil run --serve` does; or show a recording of a run (.mcap) in that page,
-    /// or two beside each other, until stopped.
+    /// Show a run, or a recording of one, in browsers.
+    ///
+    /// A scene runs with its page, as by `hil run --serve`. A recording (.mcap), or two beside each other, are shown until
+    /// stopped; a folder of `hil run --out` stands for the recordings in it.
     Serve(ServeArgs),
     /// Record every frame on live CAN interfaces until stopped.
     Record(RecordArgs),
     /// Send a recording onto CAN interfaces, each frame at its time.
     Replay(ReplayArgs),
-    /// Say in words how two goldens, schedules or contact recordings differ. Exits with 1 if a difference
-    /// could be felt or measured.
+    /// Say in words how two goldens, schedules or contacts differ.
+    ///
+    /// Folders of `hil run --out` stand for the files in them. Exits with 1 if a difference could be felt or measured.
     Diff(DiffArgs),
-    /// Show changed goldens scene by scene, in words and charts, to accept, reject or skip.
+    /// Accept or reject changed goldens, in words and charts.
     Review(ReviewArgs),
-    /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
-    /// fails.
+    /// Try scenes against their expectations and goldens.
+    ///
+    /// Every scene with expectations is a trial on a bench (default: what each wants, or emulated). Exits with 1 if one fails.
     Test(TestArgs),
-    /// Run a scene over a grid of values and seeds on all cores: one table with a row per run. Goes on with a table
-    /// that is there.
+    /// Run a scene over a grid of values and seeds, as a table.
+    ///
+    /// All cores share the runs, and a row is one run. The same command goes on with a table that is there.
     Sweep(SweepArgs),
-    /// Find the figures of a wire, with intervals, from a trace of its displacement or resistance (CSV).
+    /// Find the figures of a wire, with intervals, from a trace (CSV).
+    ///
+    /// The trace has the wire's displacement or resistance.
     Identify(IdentifyArgs),
-    /// Say figure by figure how two summaries or tables of sweeps differ, or show a folder of summaries over time.
-    /// Exits with 1 if a figure differs.
+    /// Say figure by figure how two results differ.
+    ///
+    /// Results are summaries, folders of `hil run --out` or tables of sweeps; of a folder of earlier summaries it shows how
+    /// figures went over time. Exits with 1 if a figure differs.
     Compare(CompareArgs),
-    /// Compute what makes of wire and pulse patterns are felt like, at which tissue temperature and current.
+    /// Compute how makes of wire and patterns of pulses are felt.
+    ///
+    /// Tissue temperature and current stand beside what is felt.
     Design(DesignArgs),
-    /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
+    /// List scenes, benches, layouts, wires, laws: all there is.
+    ///
+    /// What is built in comes first, then what lies in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.
     #[command(subcommand)]
     New(NewKind),
-    /// Check settings files of any kind and say everything that is wrong with them. Exits with 1 if something is.
+    /// Say everything that is wrong with settings files.
+    ///
+    /// Files may be of any kind. Exits with 1 if something is wrong.
     Check(CheckArgs),
     /// Write what a scene makes, for other programs.
     #[command(subcommand)]
     Export(ExportKind),
-    /// Work with the texture model: strokes, training, latent vectors, export, map, panel.
+    /// Train, map and try the texture model.
     #[command(subcommand)]
     Texture(TextureAction),
-    /// Studies with people: simulate one before people are asked.
+    /// Conduct, simulate and analyse studies with people.
     #[command(subcommand)]
     Study(StudyAction),
-    /// Say what this machine has, what it lacks, and which commands add it.
+    /// Say what this machine has and lacks, and which commands add it.
     Doctor(DoctorArgs),
-    /// Switch everything off on a bench, from any state, and report what was found.
+    /// Switch everything off on a bench, from any state.
+    ///
+    /// What was found is reported.
     Off(OffArgs),
-    /// Print a script that completes commands in a shell.
+    /// Print a script that completes commands and names in a shell.
     Completions(CompletionsArgs),
     /// Print a page for `man`: hil man | man -l -
     Man(ManArgs),
@@ -206,8 +234,8 @@ pub enum Command {
 /// The bench of a command, and the seed.
 #[derive(Debug, Default, Args)]
 pub struct Buses {
-    /// A built-in bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
+    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the bench real.
     #[arg(long, value_name = "IFACE")]
@@ -227,7 +255,7 @@ pub struct Voice {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -284,17 +312,20 @@ pub struct RunArgs {
     pub split_jumps: bool,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
     /// the files, checked as if the file said so. Repeatable.
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
+    /// Print every figure in place of the eight lines.
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    pub long: bool,
     /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
     #[arg(long, conflicts_with = "junit")]
     pub observe: bool,
@@ -302,21 +333,28 @@ pub struct RunArgs {
     #[arg(long)]
     pub explain: bool,
     /// Show the run on a terminal as it goes. An emulated run then keeps to the wall clock.
-    #[arg(long)]
+    #[arg(short = 'w', long)]
     pub watch: bool,
     /// Show the run in browsers as it goes, at PORT of this computer or ADDRESS or ADDRESS:PORT (default: 127.0.0.1:8137; port 0
-    /// takes a free one). An emulated run then keeps to the wall clock.
+    /// takes a free one). It begins when a page opens there, and its page stays until Ctrl-C. An emulated run then keeps to the
+    /// wall clock.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = SERVE_AT, value_parser = serve_at)]
     pub serve: Option<SocketAddr>,
+    /// Open the page in this computer's browser (xdg-open).
+    #[arg(long, requires = "serve")]
+    pub open: bool,
+    /// Begin anew whenever the run is over, until Ctrl-C or STOP. Emulated benches only, and nothing is written.
+    #[arg(long = "loop", requires = "serve", conflicts_with_all = ["stream", "out", "schedule", "html", "record", "junit"])]
+    pub again: bool,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// Write a report: one HTML page with plots.
+    /// Write the report: one page with plots.
     #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
+    pub html: Option<PathBuf>,
     /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump, .mcap
     /// everything, .vcd pins, ticks and temperatures, .snap golden. Repeatable.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'r', long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
     /// Check the scene's expectations and write the result as JUnit XML. Exits with 1 if one fails.
     #[arg(long, value_name = "FILE")]
@@ -334,14 +372,14 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub wearer: Option<String>,
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
-    #[arg(long, value_name = "PERSON")]
-    pub felt: Option<String>,
+    #[arg(long, value_name = "NAME|FILE")]
+    pub person: Option<String>,
 }
 
 /// Options of `hil serve`.
 #[derive(Debug, Args)]
 pub struct ServeArgs {
-    /// A built-in scene or a file (default: sphere-along), or one or two recordings of runs (.mcap).
+    /// A built-in scene or a file (default: sphere-along), or one or two recordings of runs (.mcap), or folders with them.
     #[arg(value_name = "SCENE|FILE", num_args = 0..=2)]
     pub what: Vec<String>,
     /// On which bench.
@@ -350,6 +388,12 @@ pub struct ServeArgs {
     /// Where: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
     pub at: SocketAddr,
+    /// Open the page in this computer's browser (xdg-open).
+    #[arg(long)]
+    pub open: bool,
+    /// Begin a scene anew whenever its run is over, until Ctrl-C or STOP. Emulated benches only.
+    #[arg(long = "loop")]
+    pub again: bool,
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
@@ -361,12 +405,16 @@ impl From<ServeArgs> for RunArgs {
             what,
             on,
             at,
+            open,
+            again,
             voice,
         } = args;
         Self {
             scene: what.into_iter().next(),
             on,
             voice,
+            open,
+            again,
             serve: Some(at),
             ..Self::default()
         }
@@ -442,15 +490,15 @@ pub struct ContactsArgs {
     #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
     pub replay_stale: StaleArg,
     /// Write contacts.csv into this folder in place of standard output.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// Print a JSON array of objects; the keys are the CSV's columns.
     #[arg(long, conflicts_with = "out")]
     pub json: bool,
     /// Print no notes, only the contacts and errors.
-    #[arg(long)]
+    #[arg(short = 'q', long)]
     pub quiet: bool,
 }

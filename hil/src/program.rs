@@ -4,9 +4,9 @@
 use std::ffi::OsString;
 use std::io::{self, Write};
 
-use clap::Parser;
+use clap::FromArgMatches;
 
-use crate::cli::{Buses, Cli, Color, Command, RunArgs};
+use crate::cli::{self, Buses, Cli, Color, Command, RunArgs};
 use crate::command;
 use palpate_live::{again, progress};
 use palpate_run::Failure;
@@ -19,9 +19,14 @@ pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString
     if let Some(words) = words.filter(|words| !words.is_empty()) {
         again::is_started_by(words);
     }
-    let cli = match Cli::try_parse_from(line) {
+    let line: Vec<OsString> = line.into_iter().collect();
+    if cli::complete(&line) {
+        return 0;
+    }
+    let parsed = cli::command().try_get_matches_from(&line);
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(error) => return told(&error),
+        Err(error) => return told(&cli::meant(error, &line)),
     };
     if !cli.command.as_ref().is_some_and(Command::is_quiet) {
         progress::allow();

@@ -25,6 +25,8 @@ mod input;
 mod interrupt;
 #[path = "cli/level.rs"]
 mod level;
+#[path = "cli/mistakes.rs"]
+mod mistakes;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/project.rs"]
@@ -41,6 +43,8 @@ mod run;
 mod serve;
 #[path = "cli/serve_crowd.rs"]
 mod serve_crowd;
+#[path = "cli/serve_waits.rs"]
+mod serve_waits;
 #[path = "cli/shell.rs"]
 mod shell;
 #[path = "cli/skins.rs"]

@@ -60,7 +60,7 @@ fn four_fingertips_are_felt_at_once_within_the_limits() {
     for display in &s.displays {
         assert_eq!(
             (display.limiter_events, display.felt.breaks, display.stops),
-            (0, 0, 0)
+            (0, Some(0), 0)
         );
         assert!(display.path_error_mm.unwrap().rmse < 0.5, "{display:?}");
         assert!(display.stimuli > 300, "{display:?}");

@@ -4,21 +4,23 @@
 use std::collections::BTreeSet;
 
 use insta::Settings;
-use palpate_files::Setup;
+use palpate_files::{Setup, load_bench, load_scene};
 use palpate_records::diff::{Tolerance, compare};
 use palpate_records::story::{COLUMNS, GoldenKind, LINES, Story};
 use palpate_records::trace::{Driven, Event};
 use palpate_run::{Input, Outcome, run};
 
-/// A shipped scene on the default bench with the default seed; on a driver unit where it is about the network to one, on a
-/// Peltier module where it is about warmth.
+/// A shipped scene with the default seed, on the bench that ships for it. A golden has one display: a scene of several is that
+/// of the finger that drives the default bench.
 pub fn shipped(scene: &str) -> Outcome {
-    let bench = match scene {
-        _ if scene.contains("wifi") => "unit",
-        _ if scene.starts_with("warm") => "warm",
-        _ => "emulated",
-    };
-    run(&Setup::load(scene, bench).unwrap(), &Input::Scene, 1).unwrap()
+    let mut scene = load_scene(scene).unwrap();
+    let mut bench = load_bench(scene.value.own_bench()).unwrap();
+    if !bench.value.displays.is_empty() {
+        scene.value.wants = None;
+        bench = load_bench("emulated").unwrap();
+    }
+    let setup = Setup::join(scene, bench).unwrap();
+    run(&setup, &Input::Scene, 1).unwrap()
 }
 
 pub(super) fn keep(name: &str, kind: &str, story: &Story) {

@@ -76,6 +76,7 @@ impl Compressor {
             work: Work::default(),
             groups,
             shared: Shared {
+                clusters: settings.clusters.into(),
                 layout: layout.clone(),
                 settings,
                 px,
@@ -184,6 +185,18 @@ impl Compressor {
                     }
                 }
             }
+        }
+    }
+
+    /// Finds so many contacts per scope from the next frame on, within [`Settings::clusters`] and [`Settings::growth`].
+    pub fn allow(&mut self, clusters: usize) {
+        let settings = &self.shared.settings;
+        let (least, most) = (settings.clusters, settings.most_clusters());
+        let clusters = clusters.clamp(least.into(), most.into());
+        if clusters != self.shared.clusters {
+            self.shared.clusters = clusters;
+            self.settled = false;
+            self.groups.iter_mut().for_each(Group::unsettle);
         }
     }
 

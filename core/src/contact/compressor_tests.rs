@@ -268,3 +268,45 @@ fn every_shortcut_gives_the_bits_of_the_long_way() {
         "{work:?}"
     );
 }
+
+#[test]
+fn the_number_of_contacts_follows_what_is_allowed() {
+    let l = Layout::single(Module::grid("wide", 4, 16, 4.7).unwrap()).unwrap();
+    let grown = |growth| {
+        let settings = Settings {
+            growth,
+            ..Settings::default()
+        };
+        Compressor::new(&l, settings).unwrap()
+    };
+    let finger = |col: usize| [17 + col, 18 + col, 33 + col, 34 + col].map(|at| (at, 100.0));
+    let two = frame(&l, &[finger(0), finger(9)].concat());
+    let (mut c, mut fixed) = (grown(4), grown(0));
+    let one = fixed.compress(&two).unwrap().to_vec();
+    assert_eq!(c.compress(&two).unwrap(), one);
+    // The same frame is no fixed point of another number.
+    c.allow(2);
+    assert!(!c.repeat());
+    let out = c.compress(&two).unwrap().to_vec();
+    assert!(
+        out.len() == 2 && out.iter().all(|c| c.members == 4),
+        "{out:?}"
+    );
+    assert!((out[0].place.x - out[1].place.x).abs() > 40.0);
+    // No fewer than it began with, no more than there is room for.
+    for (asked, found) in [(9, 4), (2, 2), (0, 1)] {
+        c.allow(asked);
+        assert_eq!(c.compress(&two).unwrap().len(), found, "{asked}");
+    }
+    assert_eq!(c.contacts()[0].place, one[0].place);
+    fixed.allow(4);
+    assert_eq!(fixed.compress(&two).unwrap(), one);
+    let beyond = Settings {
+        growth: MOST + 1,
+        ..Settings::default()
+    };
+    assert_eq!(beyond.check(), Err(SettingsError::BadClusters));
+}
+
+/// The most clusters of a scope.
+const MOST: u16 = 4096;

@@ -18,11 +18,13 @@ use crate::skin::layout::Layout;
 use crate::skin::relative::RelativeFrame;
 use crate::units::Point;
 
-/// What all scopes look at and none changes.
+/// What all scopes look at and no scope changes.
 #[derive(Clone, Debug)]
 pub(super) struct Shared {
     pub layout: Layout,
     pub settings: Settings,
+    /// K_C now.
+    pub clusters: usize,
     /// Taxel places in the coordinates of the scope, mm.
     pub px: Vec<f32>,
     pub py: Vec<f32>,
@@ -104,10 +106,10 @@ pub struct Group {
 impl Group {
     /// Room for all taxels of a scope.
     pub(super) fn new(scope: usize, taxels: usize, settings: &Settings) -> Self {
-        let k = usize::from(settings.clusters).min(taxels);
+        let k = usize::from(settings.most_clusters()).min(taxels);
         let values = |wanted: bool| Vec::with_capacity(if wanted { taxels } else { 0 });
         let axes = settings.norm != Norm::L2;
-        let solves = k > 1 && k < taxels;
+        let solves = k > 1 && usize::from(settings.clusters) < taxels;
         Self {
             scope,
             step: Step::Untouched,
@@ -176,7 +178,7 @@ impl Group {
         self.old_ids.clone_from(&self.ids);
         self.places.clear();
         self.contacts.clear();
-        if indices.len() <= usize::from(shared.settings.clusters) {
+        if indices.len() <= shared.clusters {
             self.pass(shared, frame, indices);
         } else {
             self.cluster(shared, frame, indices, same_set);
@@ -188,6 +190,11 @@ impl Group {
     pub(super) fn distrust(&mut self) {
         self.memory = Memory::default();
         self.settled = false;
+    }
+
+    /// Another number of clusters is looked for from now on: what was found is no fixed point of that.
+    pub(super) fn unsettle(&mut self) {
+        (self.settled, self.clustered) = (false, false);
     }
 
     /// Forgets its contacts.
@@ -233,7 +240,7 @@ impl Group {
             y: &self.y[..n],
             w: &self.w[..n],
         };
-        let clusters = usize::from(shared.settings.clusters);
+        let clusters = shared.clusters;
         if clusters == 1 {
             self.work.means += 1;
             self.places.push(weighted_mean(points));

@@ -42,6 +42,9 @@ pub enum Levels {
 pub struct Settings {
     /// K_C: contacts per scope, 1 to 4096.
     pub clusters: u16,
+    /// What K_C may grow to while frames come ([`super::Compressor::allow`]), up to 4096. A smaller number than `clusters` keeps
+    /// it as it is.
+    pub growth: u16,
     /// What K_C and K_I count for.
     pub scope: Scope,
     /// l of (4.7).
@@ -63,6 +66,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             clusters: 1,
+            growth: 0,
             scope: Scope::Module,
             norm: Norm::L2,
             exponent: 1.0,
@@ -78,9 +82,18 @@ impl Default for Settings {
 const MOST_CLUSTERS: u16 = 4096;
 
 impl Settings {
+    /// The largest K_C that can come.
+    pub(crate) const fn most_clusters(&self) -> u16 {
+        if self.growth > self.clusters {
+            self.growth
+        } else {
+            self.clusters
+        }
+    }
+
     /// Checks every value.
     pub fn check(&self) -> Result<(), SettingsError> {
-        if self.clusters == 0 || self.clusters > MOST_CLUSTERS {
+        if self.clusters == 0 || self.most_clusters() > MOST_CLUSTERS {
             return Err(SettingsError::BadClusters);
         }
         if !(0.0..=16.0).contains(&self.exponent) {

@@ -171,7 +171,7 @@ impl Projector {
         }
         // No module has more contacts than taxels, whatever K_C says.
         let taxels = plan.sensing.layout.taxels();
-        let most = usize::from(plan.sensing.compression.clusters).min(taxels);
+        let most = usize::from(plan.sensing.compression.most_clusters()).min(taxels);
         let (mut sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
         let mut output = Output::new(plan.display, plan.output, plan.guard);
         if let Some(texture) = plan.texture {
@@ -234,6 +234,17 @@ impl Projector {
         observer: &mut impl Observer,
     ) -> Result<(), ScanError> {
         self.sensing.take(scan, &self.layout, observer)
+    }
+
+    /// Whether K_C follows what it is told of touches ([`Self::touched`]).
+    pub fn follows_touches(&self) -> bool {
+        let settings = self.sensing.compressor().settings();
+        settings.growth > settings.clusters
+    }
+
+    /// So many things touch: K_C is that from the next frame on, as far as its settings allow.
+    pub fn touched(&mut self, count: usize) {
+        self.sensing.allow(count);
     }
 
     /// As [`Self::poll`], once the scans that have come are pushed.

@@ -228,6 +228,10 @@ impl Sensing {
         self.pipeline.texture.as_mut()?.take_tap()
     }
 
+    pub(super) fn allow(&mut self, clusters: usize) {
+        self.pipeline.compressor.allow(clusters);
+    }
+
     pub(super) const fn compressor(&self) -> &Compressor {
         &self.pipeline.compressor
     }

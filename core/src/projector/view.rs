@@ -1,6 +1,7 @@
 //! Which part of the skin the display shows: one rectangle for good, or one that goes where most happens.
 
 use super::Projector;
+use super::weave::Texture;
 use crate::contact::Contact;
 use crate::illusion::{Map, MapError, Rect};
 use crate::units::Point;
@@ -35,6 +36,23 @@ impl Projector {
     /// The sensor-to-display map, as it is now.
     pub const fn map(&self) -> &Map {
         self.view.map()
+    }
+
+    /// How many of the newest contacts may drive the display, and how many of them lie on the part of the skin that it shows.
+    pub fn found(&self) -> (usize, usize) {
+        let found = Self::ours(&self.sensing, self.drives);
+        let shown = found.clone().filter(|c| self.map().shows(c.place));
+        (found.count(), shown.count())
+    }
+
+    /// Whether contacts are felt: the skin is shown, and no texture has the display to itself.
+    pub fn renders_contacts(&self) -> bool {
+        !self.view.hidden && !self.plays_texture_alone()
+    }
+
+    /// Whether a texture has the display to itself.
+    pub fn plays_texture_alone(&self) -> bool {
+        self.output.texture().is_some_and(Texture::is_alone)
     }
 
     /// Shows the skin on the display, or hides it: contacts of a skin that is hidden are found and reported, and not felt.

@@ -34,7 +34,8 @@ pub fn address_or(text: &str, port: u16) -> Result<SocketAddr, String> {
     }
     let named = match text.rsplit_once(':') {
         Some((name, port)) => {
-            let port: u16 = port.parse().map_err(|_| expected(""))?;
+            let port = port.parse::<u16>();
+            let port = port.map_err(|_| expected(", whose port is none from 0 to 65535"))?;
             (name, port).to_socket_addrs()
         }
         None => (text, port).to_socket_addrs(),

@@ -1,6 +1,6 @@
 //! The one error of every file a user hands in: where it is, what was expected, what stood there.
 
-use std::fmt;
+use std::{fmt, io};
 
 use serde::Serialize;
 
@@ -39,6 +39,31 @@ impl FileError {
     }
 }
 
+/// What the system says of a file, in words.
+#[must_use]
+pub fn said(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file or folder".into(),
+        _ => unnumbered(&error.to_string()),
+    }
+}
+
+/// A text without the numbers that the system gives its errors, such as ` (os error 2)`: people read the words.
+#[must_use]
+pub fn unnumbered(text: &str) -> String {
+    const MARK: &str = " (os error ";
+    let mut parts = text.split(MARK);
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-');
+        match end.strip_prefix(')') {
+            Some(rest) => plain.push_str(rest),
+            None => plain.extend([MARK, part]),
+        }
+    }
+    plain
+}
+
 impl fmt::Display for FileError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}", self.path)?;
@@ -51,3 +76,7 @@ impl fmt::Display for FileError {
         write!(out, ": expected {}, found {}", self.expected, self.found)
     }
 }
+
+#[cfg(test)]
+#[path = "error_tests.rs"]
+mod tests;

@@ -212,11 +212,16 @@ impl Format {
     }
 }
 
-/// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself.
+/// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself. Editors may have put a
+/// byte order mark before it, and lines may end as on Windows.
 #[must_use]
 pub fn headed(text: &str) -> (Option<&str>, &str) {
-    let parts = text.strip_prefix("---\n");
-    let parts = parts.and_then(|rest| rest.split_once("\n---\n"));
+    let text = text.trim_start_matches('\u{FEFF}');
+    let within = |line: &str, end: &str| {
+        let rest = text.strip_prefix(line)?;
+        rest.split_once(end)
+    };
+    let parts = within("---\n", "\n---\n").or_else(|| within("---\r\n", "\r\n---\r\n"));
     parts.map_or((None, text), |(head, body)| (Some(head), body))
 }
 

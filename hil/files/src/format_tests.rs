@@ -61,3 +61,17 @@ fn every_shipped_settings_file_is_toml() {
         assert_eq!(Format::of(text.as_bytes()), Some(Format::Toml), "{name}");
     }
 }
+
+/// As Git and editors of other systems leave it.
+#[test]
+fn a_heading_is_found_behind_a_mark_and_between_lines_of_windows() {
+    let plain = "---\nsource: x\nwhy: y\n---\npalpate contacts of a (b)\n";
+    let (head, body) = headed(plain);
+    assert_eq!(head, Some("source: x\nwhy: y"));
+    assert_eq!(body, "palpate contacts of a (b)\n");
+    let windows = format!("\u{FEFF}{}", plain.replace('\n', "\r\n"));
+    let (head, body) = headed(&windows);
+    assert_eq!(head, Some("source: x\r\nwhy: y"));
+    assert_eq!(body, "palpate contacts of a (b)\r\n");
+    assert_eq!(Format::of(windows.as_bytes()), Some(Format::Golden));
+}

@@ -50,6 +50,7 @@ mod texture_model;
 mod times;
 mod touch;
 mod transducer;
+mod wants;
 mod warmth;
 mod wire;
 mod wording;
@@ -69,7 +70,7 @@ pub use bench::{
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, JOINT, Take};
-pub use error::FileError;
+pub use error::{FileError, said, unnumbered};
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
@@ -88,6 +89,7 @@ pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
+pub use placeholder::keys;
 pub use play::PlayEntry;
 pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
@@ -114,6 +116,7 @@ pub use texture_model::{Layer, Standing, Stands, Tensor, TextureModel, model_fil
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
+pub use wants::DEFAULT_BENCH;
 pub use warmth::{SKIN_C, SceneMaterial, warmth_c};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

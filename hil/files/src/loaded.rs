@@ -7,8 +7,10 @@ use super::bench::Bench;
 use super::error::FileError;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
+use super::near::nearest;
 use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
+use super::placeholder::keys;
 use super::protocol::Protocol;
 use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
@@ -90,7 +92,7 @@ impl<T: Settings> Loaded<T> {
     /// # Errors
     /// Names the line and key of what cannot be.
     pub fn read(source: Source) -> Result<Self, FileError> {
-        let value = T::of(&source)?;
+        let value = T::of(&source).map_err(|error| elsewhere(T::KIND, error))?;
         Ok(Self { value, source })
     }
 
@@ -98,6 +100,49 @@ impl<T: Settings> Loaded<T> {
     pub(super) fn named(name: &str) -> Result<Self, FileError> {
         Self::read(resolve(T::KIND, name)?)
     }
+}
+
+/// An unknown key's error with the place where such a key stands, if it is not where it was written: deeper in the same file,
+/// or in the other of scene and bench.
+fn elsewhere(kind: FileKind, error: FileError) -> FileError {
+    let unknown = error.found.strip_prefix("the unknown key `");
+    let Some(word) = unknown.and_then(|rest| Some(rest.split_once('`')?.0)) else {
+        return error;
+    };
+    let last = |key: &String| key.rsplit('.').next().unwrap_or(key).to_owned();
+    let is_option = error.path.starts_with("--");
+    let (own, other) = match kind {
+        FileKind::Bench if is_option => ("bench.", Some((FileKind::Scene, "", "a scene"))),
+        FileKind::Scene => ("", Some((FileKind::Bench, "bench.", "a bench"))),
+        FileKind::Bench => ("", Some((FileKind::Scene, "", "a scene"))),
+        _ => ("", None),
+    };
+    let own_keys = keys(kind);
+    let here = own_keys.iter().find(|key| last(key) == word);
+    let there = other
+        .filter(|_| here.is_none())
+        .and_then(|(kind, by, noun)| {
+            let found = keys(kind).into_iter().find(|key| last(key) == word)?;
+            Some((format!("{by}{found}"), found, noun))
+        });
+    let near = || {
+        let names: Vec<String> = own_keys.iter().map(last).collect();
+        let near = nearest(word, names.iter().map(String::as_str))?;
+        own_keys.iter().find(|key| last(key) == near)
+    };
+    let asked = |key: &str| format!("the unknown key `{word}`; did you mean `{key}`?");
+    let found = match (here, there) {
+        (Some(key), _) => asked(&format!("{own}{key}")),
+        (None, Some((option, ..))) if is_option => asked(&option),
+        (None, Some((_, key, noun))) => format!("the unknown key `{word}`; {noun} has `{key}`"),
+        // What is near among the keys of its own table was said.
+        (None, None) if error.found.contains("did you mean") => return error,
+        (None, None) => match near() {
+            Some(key) => asked(&format!("{own}{key}")),
+            None => return error,
+        },
+    };
+    FileError { found, ..error }
 }
 
 impl<T> Loaded<T> {

@@ -126,6 +126,27 @@ impl SkinModule {
         self.places().len().saturating_sub(self.inactive.len())
     }
 
+    /// From a taxel to the nearest other one, mm; `None` for a single taxel.
+    #[must_use]
+    pub fn pitch_mm(&self) -> Option<f64> {
+        if let Some(grid) = self.grid.or(self.hex) {
+            return (grid.rows * grid.columns > 1).then_some(grid.pitch_mm);
+        }
+        let mut places = self.places();
+        places.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut least = f64::INFINITY;
+        for (index, [x, y]) in places.iter().enumerate() {
+            for other in &places[index + 1..] {
+                // Those further right than the least so far cannot be nearer.
+                if other[0] - x >= least {
+                    break;
+                }
+                least = least.min((other[0] - x).hypot(other[1] - y));
+            }
+        }
+        least.is_finite().then_some(least)
+    }
+
     fn places(&self) -> Vec<[f64; 2]> {
         let (grid, hex) = match (self.grid, self.hex) {
             (Some(grid), _) => (grid, false),

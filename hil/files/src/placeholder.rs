@@ -1,4 +1,5 @@
-//! What may stand at a key while the rest of a broken file is looked at: from the schema of its kind.
+//! What the schema of a kind of file knows of its keys: which there are, and what may stand at one while the rest of a
+//! broken file is looked at.
 
 use serde_json::Value;
 
@@ -16,6 +17,40 @@ pub(super) fn top_keys(schema: &Value) -> Vec<&str> {
     let tables = shapes(schema, schema).into_iter();
     let tables = tables.filter_map(|table| table["properties"].as_object());
     tables.flatten().map(|(key, _)| key.as_str()).collect()
+}
+
+/// How deep keys lie in tables at most.
+const DEEPEST: usize = 5;
+
+/// The keys of a kind of file by their full paths, outer ones first; one of an array's tables stands for all.
+#[must_use]
+pub fn keys(kind: FileKind) -> Vec<String> {
+    let schema = &schema(kind).unwrap_or_default();
+    let mut found = Vec::new();
+    let mut layer = vec![(String::new(), schema)];
+    for _ in 0..DEEPEST {
+        let mut next = Vec::new();
+        for (path, here) in layer {
+            let shapes = shapes(schema, here).into_iter();
+            for (name, inner) in shapes.filter_map(|s| s["properties"].as_object()).flatten() {
+                let key = match &*path {
+                    "" => name.clone(),
+                    path => format!("{path}.{name}"),
+                };
+                next.push((key.clone(), inner));
+                let items = shapes_of_items(schema, inner);
+                next.extend(items.map(|items| (format!("{key}[0]"), items)));
+                found.push(key);
+            }
+        }
+        layer = next;
+    }
+    found
+}
+
+/// What an array holds, behind a reference or among choices.
+fn shapes_of_items<'s>(root: &'s Value, here: &'s Value) -> Option<&'s Value> {
+    shapes(root, here).into_iter().find_map(|s| s.get("items"))
 }
 
 /// Values as TOML writes them that could stand at `key`, the likeliest first.

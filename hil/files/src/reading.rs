@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::error::FileError;
+use super::error::{FileError, said};
 use super::format::Format;
 
 /// Longest settings file, bytes. The largest that ships has 40 KiB.
@@ -27,7 +27,7 @@ const START: usize = 4096;
 pub fn open(path: &Path, expected: &str) -> Result<File, FileError> {
     let label = path.display().to_string();
     let wrong = |found: String| FileError::whole(&label, expected, found);
-    let there = std::fs::metadata(path).map_err(|e| wrong(e.to_string()))?;
+    let there = std::fs::metadata(path).map_err(|e| wrong(said(&e)))?;
     if there.is_dir() {
         return Err(wrong("a folder".into()));
     }
@@ -37,9 +37,9 @@ pub fn open(path: &Path, expected: &str) -> Result<File, FileError> {
             "a device, a socket or a pipe with a name (a pipe comes in as /dev/stdin)".into(),
         ));
     }
-    let file = File::open(path).map_err(|e| wrong(e.to_string()))?;
+    let file = File::open(path).map_err(|e| wrong(said(&e)))?;
     // `/dev/stdin` may be a terminal or `/dev/zero`.
-    let opened = file.metadata().map_err(|e| wrong(e.to_string()))?;
+    let opened = file.metadata().map_err(|e| wrong(said(&e)))?;
     if piped && is_device(&opened) {
         return Err(wrong("a terminal or a device".into()));
     }
@@ -57,7 +57,7 @@ pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     };
     let mut paths = read().map_err(|e| {
         let label = folder.display().to_string();
-        FileError::whole(label, "a readable folder", e.to_string())
+        FileError::whole(label, "a readable folder", said(&e))
     })?;
     paths.sort_unstable();
     Ok(paths)
@@ -100,7 +100,7 @@ pub fn read_bytes(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>, Fil
         let expected = format!("{expected} of at most {most} bytes");
         FileError::whole(&label, expected, bytes)
     };
-    let wrong = |e: io::Error| FileError::whole(&label, expected, e.to_string());
+    let wrong = |e: io::Error| FileError::whole(&label, expected, said(&e));
     let length = file.metadata().map_err(wrong)?.len();
     if length > most {
         return Err(long(format!("{length} bytes")));
@@ -294,7 +294,7 @@ impl FileError {
     pub fn of_io(label: &str, expected: &str, error: io::Error) -> Self {
         let own = error.get_ref().and_then(|e| e.downcast_ref::<Self>());
         own.cloned()
-            .unwrap_or_else(|| Self::whole(label, expected, error.to_string()))
+            .unwrap_or_else(|| Self::whole(label, expected, said(&error)))
     }
 }
 

@@ -79,6 +79,9 @@ kinds! {
     Protocol = "protocol" "protocols" "a protocol" protocol protocol_names,
 }
 
+/// Most names that an error lists.
+const MOST_NAMES: usize = 20;
+
 impl FileKind {
     /// The name or file that was meant, as a question.
     fn meant(self, name: &str, folder: Option<&Path>) -> String {
@@ -93,8 +96,14 @@ impl FileKind {
         did_you_mean(name, self.names().into_iter().chain(there))
     }
 
+    /// What may be named. Of a long shelf a command lists the names.
     fn choices(self) -> String {
-        format!("{} ({}) or a file", self.noun(), self.names().join(", "))
+        let names = self.names();
+        let names = match names.len() > MOST_NAMES {
+            true => format!("`hil list {}` has their names", self.folder()),
+            false => names.join(", "),
+        };
+        format!("{} ({names}) or a file", self.noun())
     }
 }
 
@@ -104,12 +113,19 @@ impl FileKind {
 /// An unknown name lists what exists; a file says why it cannot be read.
 pub fn resolve(kind: FileKind, name: &str) -> Result<Source, FileError> {
     look_up(kind, name, None)?.ok_or_else(|| {
-        FileError::whole(
-            if name.is_empty() { "\"\"" } else { name },
-            kind.choices(),
-            format!("neither of that name{}", kind.meant(name, None)),
-        )
+        let meant = kind.meant(name, None);
+        let (expected, found) = match is_path(name) {
+            true => (format!("the file of {}", kind.noun()), "no such file"),
+            false => (kind.choices(), "neither of that name"),
+        };
+        let name = if name.is_empty() { "\"\"" } else { name };
+        FileError::whole(name, expected, format!("{found}{meant}"))
     })
+}
+
+/// Whether a name is meant as a path: it has a folder or the ending of settings files.
+fn is_path(name: &str) -> bool {
+    name.contains('/') || name.ends_with(".toml")
 }
 
 /// The same for a name that stands under `key` of another file: relative paths start at that file's folder.
@@ -125,7 +141,12 @@ pub fn resolve_from(
     let folder = referrer.folder_of(key);
     look_up(kind, name, folder)?.ok_or_else(|| {
         let meant = kind.meant(name, folder);
-        referrer.bad_found(key, kind.choices(), format!("\"{name}\"{meant}"))
+        let there = if is_path(name) {
+            ", and no such file"
+        } else {
+            ""
+        };
+        referrer.bad_found(key, kind.choices(), format!("\"{name}\"{there}{meant}"))
     })
 }
 

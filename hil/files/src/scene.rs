@@ -14,6 +14,7 @@ use super::settings::{bounds, settings};
 use super::source::Source;
 use super::stream::Stream;
 use super::touch::Touch;
+use super::wants;
 use super::warmth::SceneMaterial;
 use super::words::{self, choice};
 
@@ -53,6 +54,10 @@ settings! {
         pub name: String,
         /// What happens, in a sentence.
         pub description: String,
+        /// What the bench must have: `unit` (a driver unit), `warmth` (a Peltier module), `fingers` (several displays), or the
+        /// name of a bench that ships. Left out: nothing but a display.
+        #[cfg_attr(test, schemars(extend("examples" = ["unit", "warmth", "fingers"])))]
+        pub wants: Option<String>,
         /// Simulated length in seconds.
         pub length_s: f64 = 10.0,
         /// A sensor layout: a built-in name or a file.
@@ -113,6 +118,8 @@ settings! {
     pub struct Compression {
         /// Most contacts per frame.
         pub kc: u32 = 1,
+        /// On an emulated skin `kc` grows with the touches that press, up to this.
+        pub kc_touches: u32 = 1,
         /// Intensity levels.
         pub ki: u32 = 10,
         /// Where levels are found.
@@ -149,6 +156,14 @@ settings! {
     }
 }
 
+impl Compression {
+    /// The most contacts of a frame, whatever touches.
+    #[must_use]
+    pub fn most_contacts(&self) -> u32 {
+        self.kc.max(self.kc_touches)
+    }
+}
+
 /// The sensor boards of an emulated skin.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -175,6 +190,10 @@ pub struct Expect {
     pub contacts_max: Option<u32>,
     /// Most events of the limiter.
     pub limiter_events_max: Option<u32>,
+    /// Least share of the onsets that the person feels, 0 to 1; left out: as it comes.
+    pub felt_share_min: Option<f64>,
+    /// Largest share of the touched onsets beyond the part of the skin that the display shows, 0 to 1; left out: as it comes.
+    pub off_pad_share_max: Option<f64>,
     /// The emulated hardware passes a limit, as after a fault that no software can end; left out: it may pass none.
     pub over_limit: bool,
 }
@@ -187,6 +206,7 @@ impl Scene {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let mut scene: Self = source.read()?;
         source.heading(&scene.name, &scene.description)?;
+        wants::check(&scene, source)?;
         bounds!(source, "", scene; length_s: 0.01..=86_400.0, "s")?;
         for touch in &mut scene.touches {
             touch.last(scene.length_s);
@@ -194,6 +214,7 @@ impl Scene {
         scene.check_skin(source)?;
         bounds!(source, "compression", scene.compression;
             kc: 1..=1024;
+            kc_touches: 1..=1024;
             ki: 1..=256;
             weight_exponent: 0.0..=16.0;
             iterations: 1..=1000)?;
@@ -207,7 +228,9 @@ impl Scene {
         bounds!(source, "expect", scene.expect;
             path_rmse_mm: 0.0..=1e4, "mm";
             path_max_mm: 0.0..=1e4, "mm";
-            felt_rmse_mm: 0.0..=1e4, "mm")?;
+            felt_rmse_mm: 0.0..=1e4, "mm";
+            felt_share_min: 0.0..=1.0;
+            off_pad_share_max: 0.0..=1.0)?;
         Ok(scene)
     }
 

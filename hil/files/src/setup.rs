@@ -89,6 +89,7 @@ impl Setup {
     /// # Errors
     /// What cannot be in any of the files, or does not fit together.
     pub fn join(scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
+        scene.fits_bench(&bench.value)?;
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;

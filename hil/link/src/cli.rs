@@ -158,7 +158,8 @@ impl On {
         }
         unit.change(&mut overrides);
         let scene = load_scene(&self.scene)?.with(&overrides)?;
-        let bench = bench(self.bench.as_deref(), &overrides)?;
+        let named = self.bench.as_deref();
+        let bench = bench(Some(named.unwrap_or(scene.value.own_bench())), &overrides)?;
         Ok(Setup::join(scene, bench)?)
     }
 }
@@ -287,7 +288,7 @@ pub struct DisplayArgs {
     pub record: Vec<PathBuf>,
     /// Write the report of the run, with its latency budget, as one page, .html.
     #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
+    pub html: Option<PathBuf>,
     /// Replace files that are there.
     #[arg(long)]
     pub force: bool,

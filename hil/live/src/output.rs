@@ -5,7 +5,8 @@ use std::io::{self, Read, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Format, open};
+use palpate_files::{Format, open, unnumbered};
+use palpate_records::json::write_json;
 use palpate_records::runs::RunTable;
 use palpate_records::table_schema::contacts_schema;
 use palpate_records::trace::Header;
@@ -254,14 +255,29 @@ pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failur
 /// Makes a folder and those above it, where they are not there yet.
 ///
 /// # Errors
-/// [`Failure::Write`] with the path and what the system said.
+/// [`Failure::Input`] where something else has that name, [`Failure::Write`] with the path and what the system said.
 pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    check_folder(path)?;
     fs::create_dir_all(path).map_err(Failure::written(path))
+}
+
+/// Whether a folder may be made or is there: to be asked before the work is done.
+///
+/// # Errors
+/// [`Failure::Input`] where something else has that name.
+pub fn check_folder(path: &Path) -> Result<(), Failure> {
+    match path.exists() && !path.is_dir() {
+        true => Err(Failure::Input(format!(
+            "{}: expected a folder to write into, found a file",
+            path.display()
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// A remark on standard error, which may be closed.
 pub fn note(text: &str) {
-    let _ = aside(|| writeln!(io::stderr(), "note: {text}"));
+    let _ = aside(|| writeln!(io::stderr(), "note: {}", unnumbered(text)));
 }
 
 /// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.
@@ -287,7 +303,7 @@ pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(
 /// The errors of [`print()`].
 pub fn print_json(value: &(impl Serialize + ?Sized)) -> Result<(), Failure> {
     print(|out| {
-        serde_json::to_writer(&mut *out, value)?;
+        write_json(value, &mut *out)?;
         writeln!(out)
     })
 }

@@ -8,6 +8,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_buses::served::wait::monotonic_ns;
+use palpate_records::json::write_json;
 use palpate_run::Failure;
 use serde::Serialize;
 
@@ -256,7 +257,7 @@ impl Drop for Teller {
 fn append(form: Telling, told: &impl Say, line: &mut Vec<u8>) -> io::Result<()> {
     match form {
         Telling::Json => {
-            serde_json::to_writer(&mut *line, told)?;
+            write_json(told, &mut *line)?;
             line.push(b'\n');
             Ok(())
         }

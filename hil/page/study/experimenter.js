@@ -1,17 +1,18 @@
 // What the experimenter sees: where the session is, what is used of the limits, and a place for notes.
 import { connect } from "./desk.js";
+import { LIMITS } from "./limits.js";
 
 const by = id => document.getElementById(id);
 const percent = share => `${(100 * share).toFixed(share < 0.1 ? 2 : 0)} %`;
-const NAMES = {
-  pulse: "pulse width", burst: "burst", burst_energy: "energy of a burst", wire_power: "power of a wire", fingertip_power: "power of the fingertip",
-  supply: "supply", skin_mean: "tissue, mean over 10 s", skin_peak: "tissue at 0.1 mm", skin_deep: "tissue at 0.4 mm", omega: "dose so far, Omega", cem43: "dose so far, CEM43",
-};
-
 function show(view) {
   globalThis.view = view;
   by("title").textContent = `${view.protocol}, participant ${view.participant}`;
-  by("step").textContent = `${view.step}, on ${view.bench} (${view.source})`;
+  by("protocol").textContent = view.protocol;
+  by("participant").textContent = view.participant;
+  by("bench").textContent = view.bench;
+  by("source").textContent = view.source.toUpperCase();
+  by("source").className = view.source;
+  by("step").textContent = view.begun ? view.step : `Waits until the participant says Begin on their page; then comes: ${view.step}.`;
   by("trial").textContent = view.trial ?? "";
   by("seat").textContent = view.seated ? "The participant's page is there." : "The participant's page is not there.";
   by("seat").className = view.seated ? "" : "alarm";
@@ -23,14 +24,14 @@ function show(view) {
   by("said").textContent = view.said ?? "";
   by("rows").tBodies[0].replaceChildren(...view.rows.map(([row, share]) => {
     const line = document.createElement("tr");
-    const name = Object.assign(document.createElement("th"), { textContent: NAMES[row] ?? row, scope: "row" });
-    const bar = Object.assign(document.createElement("meter"), { value: share, max: 1, high: 0.8, low: 0.5, optimum: 0, ariaLabel: NAMES[row] ?? row });
+    const name = Object.assign(document.createElement("th"), { textContent: LIMITS[row] ?? row, scope: "row" });
+    const bar = Object.assign(document.createElement("meter"), { value: share, max: 1, high: 0.8, low: 0.5, optimum: 0, ariaLabel: LIMITS[row] ?? row });
     const cell = document.createElement("td"), text = Object.assign(document.createElement("td"), { textContent: percent(share) });
     cell.append(bar);
     line.append(name, cell, text);
     return line;
   }));
-  by("dose").textContent = `The whole session was planned at ${percent(view.planned)} of the dose that a session may have.`;
+  by("dose").textContent = `${percent(view.planned)} of what a session may have`;
 }
 
 const desk = connect("experimenter", show, () => (by("said").textContent = "The connection is lost; it comes back by itself."));

@@ -7,6 +7,7 @@ use palpate_hil::command::{rate_of, report, save};
 use palpate_live::clock;
 use palpate_live::recording::{Reading, recorded};
 use palpate_records::digest::{contacts_digest, schedule_digest, trace_digest};
+use palpate_records::json::write_json;
 use palpate_run::effort::Stopwatch;
 use palpate_run::{Failure, Host, Input, Keep, KeptReadings, Outcome, TaxelTable, run_with};
 use pyo3::exceptions::PyKeyError;
@@ -184,8 +185,10 @@ impl Run {
 
     /// The object that `hil run --json` prints, as text.
     fn summary(&self) -> PyResult<String> {
-        serde_json::to_string(&self.outcome.summary)
-            .map_err(|error| errors::raise("BugError", &error.to_string()))
+        let mut text = Vec::new();
+        let written = write_json(&self.outcome.summary, &mut text);
+        written.map_err(|error| errors::raise("BugError", &error.to_string()))?;
+        Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
     /// Remarks, such as a recording that ends too early.

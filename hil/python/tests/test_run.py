@@ -35,6 +35,23 @@ def test_tables_agree_with_the_summary(rolled: palpate.Run) -> None:
     assert (taxels["change"].max(axis=1) == rolled.frames["peak_counts"]).all()
 
 
+def test_a_scene_runs_on_the_bench_that_it_wants_and_on_no_bench_without_it() -> None:
+    run = palpate.run("wifi-outage", set={"length_s": 2})
+    assert run.summary["bench"] == "unit"
+    with pytest.raises(palpate.InputError, match="wants"):
+        palpate.run("wifi-outage", bench="emulated")
+
+
+def test_what_is_not_felt_or_beside_the_pad_is_a_verdict() -> None:
+    touch = {"start_s": 0.8, "path": {"kind": "hold", "points_mm": [[60.0, 0.0]]}, "force_n": {"mean": 0.5}}
+    beside = palpate.run("sphere-along", set={"touches": [touch], "length_s": 2})
+    assert beside.verdict == "off-the-pad"
+    assert beside.summary["felt"]["breaks"] is None
+    touch["path"] = {"kind": "hold", "points_mm": [[0.0, 0.0]]}
+    touch["force_n"] = {"mean": 0.001}
+    assert palpate.run("sphere-along", set={"touches": [touch], "length_s": 2}).verdict == "not-felt"
+
+
 def test_contacts_follow_the_truth(rolled: palpate.Run) -> None:
     found, truth = rolled.contacts, rolled.truth
     at = {int(t): i for i, t in enumerate(truth["time_us"])}

@@ -27,6 +27,8 @@ pub struct FeltScore {
     /// Place against the mapped contact, display space, over the onsets with the contact inside the display. The place is
     /// that of the wires' motion, whether the level reaches the threshold or not. `None` where no wire moved.
     pub errors: Option<Errors>,
+    /// The same over all onsets, with the contact inside the display or not.
+    pub everywhere: Option<Errors>,
     /// Onsets with the contact inside the display and a level below 0 dB.
     pub breaks: u64,
     /// Onsets felt, after another that was, at which the place went further than the contact by a step that can be felt.
@@ -55,6 +57,7 @@ pub struct FeltPath {
 #[derive(Debug, Default)]
 struct Followed {
     sum: Sum,
+    everywhere: Sum,
     breaks: u64,
     jumps: u64,
     /// The newest onset that was felt: when, where, and where the contact was.
@@ -152,8 +155,12 @@ impl FeltPath {
 impl Followed {
     fn add(&mut self, onset: &event::Felt, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
         let target = onset.target;
-        if let (true, Some(met)) = (onset.inside, &onset.met) {
-            self.sum.add(distance2_um(place(met), target));
+        if let Some(met) = &onset.met {
+            let squared = distance2_um(place(met), target);
+            self.everywhere.add(squared);
+            if onset.inside {
+                self.sum.add(squared);
+            }
         }
         let felt = onset.met.filter(FeltAt::is_felt);
         let felt = felt.as_ref().map(place);
@@ -172,6 +179,7 @@ impl Followed {
         FeltScore {
             perceiver,
             errors: self.sum.errors(),
+            everywhere: self.everywhere.errors(),
             breaks: self.breaks,
             jumps: self.jumps,
         }

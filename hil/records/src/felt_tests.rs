@@ -42,6 +42,7 @@ fn both_centroids_are_scored_apart() {
     assert_eq!((energy.breaks, energy.jumps), (2, 1));
     assert_eq!((amplitude.breaks, amplitude.jumps), (2, 0));
     assert_eq!(energy.errors.unwrap().max_um, 4_000);
+    assert_eq!(energy.everywhere, energy.errors);
     // 0, 0, 0, nothing where no wire moved, 2 mm, 4 mm.
     assert_eq!(amplitude.errors.unwrap().rmse_um, 2_000);
     let energies = energies(&trace).unwrap();
@@ -59,4 +60,18 @@ fn nothing_felt_is_no_score() {
     assert_eq!((energy.errors, energy.breaks, energy.jumps), (None, 0, 0));
     assert_eq!(energies(&synthetic::empty()), None);
     assert_eq!(felt_level(&synthetic::empty()), None);
+}
+
+#[test]
+fn an_onset_outside_the_display_counts_for_the_error_over_all_alone() {
+    let mut trace = synthetic::empty();
+    let mut outside = felt(58_500, 0, Some((6_000, 6_000, 3_000)));
+    if let Event::Felt(felt) = &mut outside {
+        felt.inside = false;
+    }
+    trace.events = vec![felt(0, 0, Some((0, 0, 3_000))), outside];
+    let [energy, _] = felt_scores(&trace);
+    let (inside, everywhere) = (energy.errors.unwrap(), energy.everywhere.unwrap());
+    assert_eq!((inside.count, inside.max_um), (1, 0));
+    assert_eq!((everywhere.count, everywhere.max_um), (2, 6_000));
 }

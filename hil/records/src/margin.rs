@@ -2,6 +2,8 @@
 
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
+use crate::model;
+
 /// What is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Limited {
@@ -161,6 +163,11 @@ impl Margin {
     /// The part that was used, for people: percent, above ten times the limit `x`, and never wide.
     pub fn used_words(&self) -> String {
         used_words(self.used_milli_percent())
+    }
+
+    /// Whether it is a temperature that the model does not know.
+    pub fn is_beyond(&self) -> bool {
+        self.of.unit() == "C" && model::known(self.worst(), model::TISSUE_C).is_none()
     }
 
     /// Whether the limit was passed.

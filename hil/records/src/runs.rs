@@ -62,6 +62,40 @@ pub const MEASURED: [Measured; 17] = [
     of("taxel_hz", "taxel refresh, median", "Hz", "/taxels/refresh_hz/median"),
 ];
 
+/// The figures by which two results are told apart, the weightiest first: what is felt and where, what heat leaves, what it
+/// took.
+pub const WEIGHTIEST: [&str; 16] = [
+    "felt_level_db",
+    "felt_breaks",
+    "felt_error_rmse_mm",
+    "felt_error_max_mm",
+    "felt_jumps",
+    "path_error_rmse_mm",
+    "path_error_max_mm",
+    "hottest_skin_c",
+    "limit_used_percent",
+    "limiter_events",
+    "roughness",
+    "contacts",
+    "stimuli",
+    "energy_mj",
+    "peak_supply_a",
+    "hottest_wire_c",
+];
+
+/// [`MEASURED`] by weight: [`WEIGHTIEST`], then what is left.
+pub fn by_weight() -> impl Iterator<Item = &'static Measured> {
+    let of = |key: &&str| MEASURED.iter().find(|m| m.key == *key);
+    let rest = MEASURED.iter().filter(|m| !WEIGHTIEST.contains(&m.key));
+    WEIGHTIEST.iter().filter_map(of).chain(rest)
+}
+
+/// Whether a part of a value in this unit says something: a level, a temperature and a percentage have no zero to be a part
+/// from.
+pub fn has_zero(unit: &str) -> bool {
+    !["dB", "\u{b0}C", "C", "%"].contains(&unit)
+}
+
 /// Values of [`MEASURED`], by their keys; none where a run does not measure it.
 pub type Values = BTreeMap<&'static str, f64>;
 

@@ -12,6 +12,10 @@ pub enum Verdict {
     /// Done, and within all limits.
     #[default]
     Ok,
+    /// Most of what touched lay beyond the part of the skin that the display shows.
+    OffThePad,
+    /// Most of what was to be felt was not.
+    NotFelt,
     /// Something that was to be seen was not: a board that is silent, a capture that ends too early.
     Incomplete,
     /// The guard or a person ended it.
@@ -20,17 +24,34 @@ pub enum Verdict {
     Failed,
     /// Something physically passed a row of the limit table.
     LimitExceeded,
+    /// A temperature left the range in which the model of wire and tissue means anything.
+    BeyondTheModel,
 }
 
 impl Verdict {
+    /// Every verdict, the gravest first.
+    pub const ALL: [Self; 8] = [
+        Self::BeyondTheModel,
+        Self::LimitExceeded,
+        Self::Failed,
+        Self::Stopped,
+        Self::Incomplete,
+        Self::NotFelt,
+        Self::OffThePad,
+        Self::Ok,
+    ];
+
     /// As people read it.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ok => "OK",
+            Self::OffThePad => "OFF THE PAD",
+            Self::NotFelt => "NOT FELT",
             Self::Incomplete => "INCOMPLETE",
             Self::Stopped => "STOPPED",
             Self::Failed => "FAILED",
             Self::LimitExceeded => "LIMIT EXCEEDED",
+            Self::BeyondTheModel => "BEYOND THE MODEL",
         }
     }
 
@@ -38,23 +59,29 @@ impl Verdict {
     pub const fn key(self) -> &'static str {
         match self {
             Self::Ok => "ok",
+            Self::OffThePad => "off-the-pad",
+            Self::NotFelt => "not-felt",
             Self::Incomplete => "incomplete",
             Self::Stopped => "stopped",
             Self::Failed => "failed",
             Self::LimitExceeded => "limit-exceeded",
+            Self::BeyondTheModel => "beyond-the-model",
         }
     }
 
     /// What [`Verdict::key`] says; `None` for another word.
     pub fn of_key(key: &str) -> Option<Self> {
-        let all = [
-            Self::Ok,
-            Self::Incomplete,
-            Self::Stopped,
-            Self::Failed,
-            Self::LimitExceeded,
-        ];
-        all.into_iter().find(|verdict| verdict.key() == key)
+        Self::ALL.into_iter().find(|verdict| verdict.key() == key)
+    }
+
+    /// Whether a run that ended so did all that it was to do: whether a person felt it is an expectation's business.
+    pub const fn is_done(self) -> bool {
+        matches!(self, Self::Ok | Self::OffThePad | Self::NotFelt)
+    }
+
+    /// Whether a person who wore it may have been burnt.
+    pub const fn is_harmful(self) -> bool {
+        matches!(self, Self::LimitExceeded | Self::BeyondTheModel)
     }
 
     /// Some words in the verdict's colour on a terminal: green, yellow or red.
@@ -64,8 +91,8 @@ impl Verdict {
         }
         let code = match self {
             Self::Ok => 32,
-            Self::Incomplete | Self::Stopped => 33,
-            Self::Failed | Self::LimitExceeded => 31,
+            Self::OffThePad | Self::NotFelt | Self::Incomplete | Self::Stopped => 33,
+            Self::Failed | Self::LimitExceeded | Self::BeyondTheModel => 31,
         };
         format!("\x1b[1m\x1b[{code}m{words}\x1b[0m")
     }
@@ -135,6 +162,39 @@ impl Conclusion {
             .into_iter()
             .try_for_each(|why| writeln!(out, "  also: {why}"))
     }
+
+    /// The other reasons, then the verdict with its own: what stays in view on a terminal of so many columns.
+    ///
+    /// # Errors
+    /// What the stream says.
+    pub fn write_last(&self, out: &mut dyn Write, columns: usize, colored: bool) -> io::Result<()> {
+        for why in self.why.iter().skip(1) {
+            writeln!(out, "{}", wrapped(&format!("  also: {why}"), columns))?;
+        }
+        let word = self.verdict.word();
+        let text = wrapped(&self.line(), columns);
+        let rest = text.strip_prefix(word).unwrap_or_default();
+        writeln!(out, "{}{rest}", self.verdict.paint(word, colored))
+    }
+}
+
+/// A text in lines of so many columns at most, where its words allow; those after the first are indented.
+fn wrapped(text: &str, columns: usize) -> String {
+    let start = text.len() - text.trim_start().len();
+    let (mut out, mut filled) = (text[..start].to_owned(), start);
+    for (index, word) in text.split_whitespace().enumerate() {
+        let wide = word.chars().count();
+        if index > 0 && filled + 1 + wide > columns {
+            out.push_str("\n    ");
+            filled = 4;
+        } else if index > 0 {
+            out.push(' ');
+            filled += 1;
+        }
+        out.push_str(word);
+        filled += wide;
+    }
+    out
 }
 
 #[cfg(test)]

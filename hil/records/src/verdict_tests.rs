@@ -9,7 +9,9 @@ fn the_gravest_finding_is_the_verdict_whatever_came_first() {
         (Verdict::Incomplete, "a silent board"),
         (Verdict::LimitExceeded, "a burn"),
         (Verdict::Stopped, "the guard"),
+        (Verdict::NotFelt, "too weak"),
         (Verdict::Ok, "no stimulus"),
+        (Verdict::OffThePad, "beside it"),
         (Verdict::Failed, "a bus"),
     ];
     for turn in 0..findings.len() {
@@ -22,6 +24,21 @@ fn the_gravest_finding_is_the_verdict_whatever_came_first() {
         assert_eq!(conclusion.line(), "LIMIT EXCEEDED: a burn");
         assert_eq!(conclusion.why.len(), findings.len());
     }
+}
+
+#[test]
+fn every_verdict_stands_once_in_its_order_and_is_read_as_it_is_written() {
+    assert!(Verdict::ALL.is_sorted_by(|a, b| a > b));
+    for verdict in Verdict::ALL {
+        assert_eq!(Verdict::of_key(verdict.key()), Some(verdict));
+        assert_eq!(
+            verdict.key().to_uppercase().replace('-', " "),
+            verdict.word()
+        );
+    }
+    assert_eq!(Verdict::of_key("fine"), None);
+    let done = Verdict::ALL.into_iter().filter(|verdict| verdict.is_done());
+    assert_eq!(done.max(), Some(Verdict::NotFelt));
 }
 
 #[test]
@@ -62,6 +79,28 @@ fn a_terminal_sees_colour_and_a_pipe_does_not() {
         serde_json::to_string(&Verdict::LimitExceeded).unwrap(),
         "\"limit-exceeded\""
     );
+}
+
+#[test]
+fn the_last_line_is_the_verdict_and_no_line_is_wider_than_the_terminal() {
+    let mut conclusion = Conclusion::default();
+    conclusion.add(Verdict::NotFelt, "person `typical` feels 3 of 78 onsets");
+    conclusion.add(
+        Verdict::Ok,
+        "one more reason whose words fill more than a line of forty",
+    );
+    let mut out = Vec::new();
+    conclusion.write_last(&mut out, 40, false).unwrap();
+    let text = String::from_utf8(out).unwrap();
+    assert_eq!(
+        text,
+        "  also: one more reason whose words fill\n    more than a line of forty\nNOT FELT: person `typical` feels 3 of 78\n    onsets\n"
+    );
+    let mut out = Vec::new();
+    Conclusion::default()
+        .write_last(&mut out, 40, true)
+        .unwrap();
+    assert_eq!(out, b"\x1b[1m\x1b[32mOK\x1b[0m\n");
 }
 
 #[test]

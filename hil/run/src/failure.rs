@@ -3,28 +3,33 @@
 use std::io;
 use std::path::Path;
 
-use palpate_files::FileError;
+use palpate_files::{FileError, unnumbered};
 use palpate_records::damage::Damage;
 
-/// Why a command failed; the kinds are the exit statuses of the command line.
+/// Why a command failed; the kinds are the exit statuses of the command line. Its words have no number of the system's
+/// errors, whatever they quote.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}")]
 pub enum Failure {
     /// A check failed: exit 1. Empty where the command has said everything already.
+    #[error("{}", unnumbered(.0))]
     Check(String),
     /// Usage or bad input: exit 2.
+    #[error("{}", unnumbered(.0))]
     Input(String),
     /// A file that cannot be used, with its place in it: exit 2.
     #[error(transparent)]
     File(#[from] FileError),
     /// A bus or device failed: exit 3.
+    #[error("{}", unnumbered(.0))]
     Device(String),
     /// The guard stopped the run: exit 4.
+    #[error("{}", unnumbered(.0))]
     Guard(String),
     /// A signal came before the output was whole: exit 130.
+    #[error("{}", unnumbered(.0))]
     Stopped(String),
     /// An output could not be written: exit 3.
-    #[error("{path}: cannot be written: {error}")]
+    #[error("{path}: cannot be written: {}", unwritten(error))]
     Write {
         /// The file or stream.
         path: String,
@@ -77,6 +82,14 @@ impl Failure {
             Self::File(error) => error.key.as_deref(),
             _ => None,
         }
+    }
+}
+
+/// Why an output could not be written, in words.
+fn unwritten(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "its folder is not there".into(),
+        _ => unnumbered(&error.to_string()),
     }
 }
 

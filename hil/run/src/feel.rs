@@ -102,6 +102,13 @@ pub(super) fn feel(
         return;
     };
     let (at, targets) = (onset.at, &onset.targets);
+    let pulsed = std::mem::take(&mut recorder.pulsed);
+    if pulsed && projector.plays_texture_alone() && targets.is_empty() {
+        recorder.met.add_texture();
+        recorder.met.meet(met.as_ref());
+    } else if !targets.is_empty() {
+        recorder.met.meet(met.as_ref());
+    }
     let true_place = recorder
         .truth_at(at)
         .filter(|(place, _)| projector.map().shows(*place))

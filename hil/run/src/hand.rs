@@ -18,6 +18,13 @@ impl Hand {
         held.extend_from_slice(presses);
     }
 
+    /// Every place that it presses.
+    pub(crate) fn places(&self) -> Vec<Point> {
+        let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let pressing = held.iter().filter(|p| p.force_n > 0.0);
+        pressing.map(|p| p.at).collect()
+    }
+
     /// Where and how hard (N) it presses, when exactly one finger does.
     pub(crate) fn only(&self) -> Option<(Point, f64)> {
         let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);

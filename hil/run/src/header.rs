@@ -86,7 +86,7 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         person: setup.person.value.name.clone(),
         preset: setup.wire.value.name.clone(),
         illusion: scene.illusion.model.name().into(),
-        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+        kc: u16::try_from(scene.compression.most_contacts()).unwrap_or(u16::MAX),
         taxels: taxels
             .unwrap_or_default()
             .iter()

@@ -15,6 +15,7 @@ use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::margins::against;
 use crate::numbers::{joined_header, whole_boards};
+use crate::onsets::Onsets;
 use crate::path_error::PathError;
 use crate::place::Place;
 use crate::script::FaultReport;
@@ -215,6 +216,8 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     };
     let mut sum = farthest(|s| &s.felt.error_energy_mm).clone();
     sum.path_error_mm = farthest(|s| &s.path_error_mm).path_error_mm;
+    sum.onsets = Onsets::default();
+    each().for_each(|s| sum.onsets.join(&s.onsets));
     sum.frames = each().map(|s| s.frames).max().unwrap_or(0);
     sum.contacts = each().map(|s| s.contacts).sum();
     sum.stimuli = ledger.driven.stimuli;
@@ -273,6 +276,7 @@ fn of_display(part: &Part) -> DisplaySummary {
         modules: part.place.modules.clone(),
         boards: part.place.boards.clone(),
         path_error_mm: summary.path_error_mm,
+        onsets: summary.onsets,
         felt: summary.felt.clone(),
         stimuli: summary.stimuli,
         limiter_events: summary.limiter_events,

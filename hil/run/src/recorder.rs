@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use palpate_core::contact::Scope;
 use palpate_core::guard::Guard;
-use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureReport};
+use palpate_core::projector::{Cause, FrameReport, Observer, Projector, Target, TextureReport};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
-use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_core::units::{Board, Duration, Instant, Point, Ticks};
 use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm, event};
@@ -15,6 +15,7 @@ use palpate_records::words::texture;
 
 use crate::fingers::Fingers;
 use crate::hand::Hand;
+use crate::onsets::Onsets;
 use palpate_files::{Finger, Joint, Setup, Touch, TouchPoint};
 
 /// Windows of texture further apart are of different touches.
@@ -100,17 +101,34 @@ impl Truth {
         match self {
             Self::Unknown => None,
             Self::Scene(touches) => only(touching(touches, seconds(at))),
-            Self::Played(touches, fingers, drives) => {
-                let t_s = seconds(at);
-                let mut here: Vec<_> = touching(touches, t_s).collect();
-                fingers.each(|touch| {
-                    let offset = drives.get(touch.module).copied().flatten();
-                    here.extend(touch.at(t_s).zip(offset));
-                });
-                only(here.into_iter())
-            }
+            Self::Played(..) => only(self.playing(seconds(at)).into_iter()),
             Self::Hand(hand) => hand.only(),
         }
+    }
+
+    /// Every place that is pressed; `None` where that is not known.
+    fn places(&self, at: Instant) -> Option<Vec<Point>> {
+        let t_s = seconds(at);
+        let pressed = |all: Vec<_>| all.into_iter().filter_map(pressing).map(|p| p.0).collect();
+        match self {
+            Self::Unknown => None,
+            Self::Scene(touches) => Some(pressed(touching(touches, t_s).collect())),
+            Self::Played(..) => Some(pressed(self.playing(t_s))),
+            Self::Hand(hand) => Some(hand.places()),
+        }
+    }
+
+    /// What touches where fingers join a scene.
+    fn playing(&self, t_s: f64) -> Vec<(TouchPoint, [f64; 2])> {
+        let Self::Played(touches, fingers, drives) = self else {
+            return Vec::new();
+        };
+        let mut here: Vec<_> = touching(touches, t_s).collect();
+        fingers.each(|touch| {
+            let offset = drives.get(touch.module).copied().flatten();
+            here.extend(touch.at(t_s).zip(offset));
+        });
+        here
     }
 }
 
@@ -129,11 +147,14 @@ fn touching(
 
 /// The only one of what touches, if it presses.
 fn only(mut now: impl Iterator<Item = (TouchPoint, [f64; 2])>) -> Option<(Point, f64)> {
-    let (only, [x, y]) = now.next().filter(|(t, _)| t.force_n > 0.0)?;
-    now.next().is_none().then(|| {
-        let place = Point::new((only.x_mm + x) as f32, (only.y_mm + y) as f32);
-        (place, only.force_n)
-    })
+    let only = now.next().and_then(pressing)?;
+    now.next().is_none().then_some(only)
+}
+
+/// Where and how hard (N) something presses, if it does.
+fn pressing((touch, [x, y]): (TouchPoint, [f64; 2])) -> Option<(Point, f64)> {
+    let place = Point::new((touch.x_mm + x) as f32, (touch.y_mm + y) as f32);
+    (touch.force_n > 0.0).then_some((place, touch.force_n))
 }
 
 /// A taxel's condition in a word.
@@ -180,6 +201,10 @@ pub struct Recorder {
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
     pub onsets: (u64, u64),
+    /// What touched at onsets, and what was felt of it.
+    pub met: Onsets,
+    /// Whether a wire was driven since the newest onset was scored.
+    pub pulsed: bool,
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
     /// The first stimuli, `ROUND` at most: what a longest session is told from.
@@ -289,6 +314,20 @@ impl Recorder {
         self.events.push(Event::note(at, text));
     }
 
+    /// Counts the onset that was just projected.
+    pub fn count(&mut self, projector: &Projector) {
+        if let Some(onset) = &self.onset {
+            let truth = self.truth.places(onset.at);
+            let targets = onset.targets.len();
+            self.met.add(projector, targets, truth.as_deref());
+        }
+    }
+
+    /// How many things press on the driving module; none where that is not known.
+    pub fn touches_at(&self, at: Instant) -> usize {
+        self.truth.places(at).map_or(0, |places| places.len())
+    }
+
     /// Where the driving module is truly touched.
     pub fn truth_at(&self, at: Instant) -> Option<(Point, f64)> {
         self.truth.at(at)
@@ -353,6 +392,7 @@ impl Observer for Recorder {
 
     fn entry(&mut self, entry: &Entry) {
         self.driven.add(entry);
+        self.pulsed |= entry.width() > Ticks::ZERO;
         self.warmed.insert((entry.board.0, entry.channel.0));
         if self.first.len() < ROUND {
             self.first.push(*entry);

@@ -129,12 +129,18 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             return Ok(self.recover());
         }
         self.reopen();
+        if self.projector.follows_touches() {
+            self.projector.touched(self.recorder.touches_at(now));
+        }
         let onset = match self.poll() {
             Ok(onset) => onset,
             Err(failure) => return Ok(self.end(failure)),
         };
         if self.has_exceeded() {
             return Ok(Turn::Last);
+        }
+        if onset {
+            self.recorder.count(&self.projector);
         }
         self.display
             .look(now, onset, &self.projector, &mut self.recorder);

@@ -7,10 +7,11 @@ use palpate_core::units::Instant;
 use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::frame_time::FrameTime;
 use palpate_records::margin::{Limited, Margin};
-use palpate_records::measure::path_error;
+use palpate_records::measure::{Errors, path_error};
+use palpate_records::model;
 use palpate_records::trace::{Header, Ledger, Source, Trace, sort_by_time};
 use palpate_records::verdict::Conclusion;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::boards::{self, BoardReport, BusReport, CanReport, Pacing};
 use super::display_end::DisplayEnd;
@@ -21,6 +22,7 @@ use super::session::Session;
 use super::skin_end::SkinEnd;
 use crate::band::FeltBand;
 use crate::heat::HeatReport;
+use crate::onsets::Onsets;
 use crate::path_error::PathError;
 use crate::plan;
 use crate::texture_summary::TextureSummary;
@@ -39,9 +41,10 @@ pub struct FeltSummary {
     pub level_db: Option<LevelDb>,
     pub error_energy_mm: Option<PathError>,
     pub error_amplitude_mm: Option<PathError>,
-    pub breaks: u64,
-    /// By the energy centroid.
-    pub jumps: u64,
+    /// Null where no onset had a contact inside the display.
+    pub breaks: Option<u64>,
+    /// By the energy centroid; null as breaks.
+    pub jumps: Option<u64>,
     /// Onsets that feel like taps.
     pub taps: u64,
     /// The level that the scene asks for; null where it asks for none.
@@ -103,10 +106,14 @@ pub struct FeltError {
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
-    /// Onsets with a contact inside the hull and a level below threshold.
-    pub breaks: u64,
-    /// Onsets at which the felt place went further than the contact by a step that can be felt.
-    pub jumps: u64,
+    /// Onsets that both are over.
+    pub onsets: u64,
+    /// The same over all onsets, with the contact inside the display or not.
+    pub everywhere: Option<PathError>,
+    /// Onsets with a contact inside the hull and a level below threshold; `None` where no onset had one.
+    pub breaks: Option<u64>,
+    /// Onsets at which the felt place went further than the contact by a step that can be felt; `None` as breaks.
+    pub jumps: Option<u64>,
     /// Which centroid says so.
     pub perceiver: &'static str,
 }
@@ -119,9 +126,12 @@ pub struct DisplaySummary {
     pub modules: Vec<usize>,
     pub boards: Vec<u8>,
     pub path_error_mm: Option<PathError>,
+    pub onsets: Onsets,
     pub felt: FeltSummary,
     pub stimuli: u64,
     pub limiter_events: u32,
+    /// Null beyond the model.
+    #[serde(serialize_with = "known_tissue")]
     pub hottest_skin_c: Option<f64>,
     /// What is felt of textures there, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -262,6 +272,9 @@ pub struct Summary {
     pub contacts: u64,
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
+    /// From a taxel to the next on the skin that drives; null for a single taxel.
+    pub pitch_mm: Option<f64>,
+    pub onsets: Onsets,
     pub felt: FeltSummary,
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
@@ -273,7 +286,11 @@ pub struct Summary {
     pub energy_mj: Option<f64>,
     /// Null on a real bench.
     pub peak_supply_a: Option<f64>,
+    /// Null where nothing measures it, and beyond the model.
+    #[serde(serialize_with = "known_wire")]
     pub hottest_wire_c: Option<f64>,
+    /// Null as the wire's.
+    #[serde(serialize_with = "known_tissue")]
     pub hottest_skin_c: Option<f64>,
     /// How long the run may be done over and over until a wire's dose is used up, as the guard counts; null where that takes
     /// a day or more, or nothing was driven.
@@ -304,6 +321,20 @@ pub struct Summary {
     pub frames_not_recorded: u64,
     pub sim_s: f64,
     pub wall_s: f64,
+}
+
+#[allow(clippy::ref_option)] // serde's signature
+fn known_wire<S: Serializer>(celsius: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+    celsius
+        .and_then(|c| model::known(c, model::WIRE_C))
+        .serialize(to)
+}
+
+#[allow(clippy::ref_option)] // serde's signature
+fn known_tissue<S: Serializer>(celsius: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+    celsius
+        .and_then(|c| model::known(c, model::TISSUE_C))
+        .serialize(to)
 }
 
 impl FeltSummary {
@@ -379,13 +410,18 @@ impl Summary {
     ) -> Self {
         let path = path_error(trace).map(PathError::from);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
+        let is_scored = felt.level().is_some();
         let [by_energy, by_amplitude] = felt.scores().map(|score| {
-            let errors = score.errors.map(PathError::from).filter(|_| path.is_some());
+            let known = |errors: Option<Errors>| errors.filter(|_| path.is_some());
+            let inside = known(score.errors);
+            let errors = inside.map(PathError::from);
             FeltError {
                 rmse: errors.map(|e| e.rmse),
                 max: errors.map(|e| e.max),
-                breaks: score.breaks,
-                jumps: score.jumps,
+                onsets: inside.map_or(0, |e| e.count),
+                everywhere: known(score.everywhere).map(PathError::from),
+                breaks: is_scored.then_some(score.breaks),
+                jumps: is_scored.then_some(score.jumps),
                 perceiver: score.perceiver,
             }
         });
@@ -411,6 +447,12 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: ledger.driven.stimuli,
             path_error_mm: path,
+            pitch_mm: None,
+            onsets: Onsets {
+                // Where a person is emulated, what was not met was not felt.
+                felt: emulated.then(|| recorder.met.felt.unwrap_or(0)),
+                ..recorder.met
+            },
             felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
             felt_error_mm: by_energy,
             felt_error_amplitude_mm: by_amplitude,

@@ -1,8 +1,9 @@
-//! What a run came to, in lines for people.
+//! Everything that a run came to, in lines for people.
 
 use std::io::{self, Write};
 
 use palpate_records::margin::{Limited, Margin};
+use palpate_records::model;
 use palpate_records::trace::Source;
 
 use crate::band::{FeltBand, FeltCorner};
@@ -31,16 +32,21 @@ fn counted(count: u64, one: &str) -> String {
     }
 }
 
+/// The same behind a comma; nothing where nothing was measured.
+fn and_counted(count: Option<u64>, one: &str) -> String {
+    count.map_or_else(String::new, |n| format!(", {}", counted(n, one)))
+}
+
 impl FeltError {
     fn words(&self) -> String {
-        let jumps = counted(self.jumps, "jump");
+        let jumps = and_counted(self.jumps, "jump");
         match (self.rmse, self.max) {
             (Some(rmse), Some(max)) => format!(
-                "{}: {rmse:.2} mm RMSE, {max:.2} mm at most, {jumps}",
+                "{}: {rmse:.2} mm RMSE, {max:.2} mm at most{jumps}",
                 self.perceiver
             ),
             _ => format!(
-                "{}: - (nothing felt on a known path), {jumps}",
+                "{}: - (nothing felt on a known path){jumps}",
                 self.perceiver
             ),
         }
@@ -55,9 +61,9 @@ impl FeltSummary {
                 level.median, level.p5
             )
         });
-        let breaks = counted(self.breaks, "break");
+        let breaks = and_counted(self.breaks, "break");
         format!(
-            "{level}, {breaks}; person {}, wires {}",
+            "{level}{breaks}; person {}, wires {}",
             self.person, self.preset
         )
     }
@@ -120,11 +126,11 @@ impl DisplaySummary {
         let texture = self.texture.as_ref().map(|t| t.words());
         let texture = texture.map_or_else(String::new, |words| format!("; texture {words}"));
         let words = format!(
-            "felt {level}, {error}, {}; {} stimuli, {} limited; skin {}; person {}{texture}{end}",
-            counted(self.felt.breaks, "break"),
+            "felt {level}, {error}{}; {} stimuli, {} limited; skin {}; person {}{texture}{end}",
+            and_counted(self.felt.breaks, "break"),
             self.stimuli,
             self.limiter_events,
-            celsius(self.hottest_skin_c),
+            model::words(self.hottest_skin_c, model::TISSUE_C),
             self.felt.person
         );
         line(&self.name, words)
@@ -144,17 +150,12 @@ fn line(name: &str, value: String) -> Line {
     (name.to_owned(), value)
 }
 
-fn celsius(t: Option<f64>) -> String {
-    t.map_or("-".into(), |t| format!("{t:.1} C"))
-}
-
 impl Summary {
-    /// The verdict and some dozen lines for a person; a terminal gets colours.
+    /// Every figure for a person: some dozen lines, without the verdict.
     ///
     /// # Errors
     /// What the stream says.
-    pub fn write(&self, out: &mut dyn Write, colored: bool) -> io::Result<()> {
-        self.conclusion.write(out, colored)?;
+    pub fn write_long(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "{} on {} ({}), seed {}",
@@ -227,16 +228,10 @@ impl Summary {
             lines.push(line("energy", format!("{mj:.1} mJ electrical")));
             lines.push(line("supply", format!("{ampere:.2} A at most")));
         }
-        let wire = format!("{} (no limit of its own)", celsius(self.hottest_wire_c));
+        let wire = model::words(self.hottest_wire_c, model::WIRE_C);
+        let wire = format!("{wire} (no limit of its own)");
         lines.push(line("hottest wire", wire));
-        let limit = self.margins.iter().find(|m| m.of == Limited::SkinPeak);
-        let limit = limit.map_or(String::new(), |m| {
-            let passed = if m.over() { ", EXCEEDED" } else { "" };
-            format!(", limit {:.1} C{passed}", m.limit())
-        });
-        let tissue = celsius(self.hottest_skin_c);
-        let tissue = format!("{tissue}{limit} (modelled, 0.1 mm deep)");
-        lines.push(line("hottest skin", tissue));
+        lines.push(line("hottest skin", self.skin_words()));
         if self.stimuli > 0 {
             lines.push(line("longest session", self.session_words()));
         }
@@ -249,7 +244,19 @@ impl Summary {
         lines
     }
 
-    fn session_words(&self) -> String {
+    /// The hottest skin against its limit.
+    pub(crate) fn skin_words(&self) -> String {
+        let limit = self.margins.iter().find(|m| m.of == Limited::SkinPeak);
+        let limit = limit.map_or(String::new(), |m| {
+            let passed = if m.over() { ", EXCEEDED" } else { "" };
+            format!(", limit {:.1} C{passed}", m.limit())
+        });
+        let tissue = model::words(self.hottest_skin_c, model::TISSUE_C);
+        format!("{tissue}{limit} (modelled, 0.1 mm deep)")
+    }
+
+    /// The longest session of a run that drove something.
+    pub(crate) fn session_words(&self) -> String {
         let Some(seconds) = self.longest_session_s else {
             return "a day and more of this".into();
         };
@@ -308,13 +315,15 @@ impl Summary {
 
     fn margin_lines(&self) -> Vec<Line> {
         let row = |(index, m): (usize, &Margin)| {
+            let (worst, used) = match m.is_beyond() {
+                true => (format!("> {:.0}", model::TISSUE_C), "-".to_owned()),
+                false => (short(m.worst()), m.used_words()),
+            };
             let words = format!(
-                "{:<27}{:>8} of {:>7} {:<5} {:>7} used{}",
+                "{:<27}{worst:>8} of {:>7} {:<5} {used:>7} used{}",
                 m.of.name(),
-                short(m.worst()),
                 short(m.limit()),
                 m.of.unit(),
-                m.used_words(),
                 if m.over() { ", EXCEEDED" } else { "" }
             );
             line(if index == 0 { "margins" } else { "" }, words)

@@ -1,8 +1,10 @@
-//! The verdict on a run: a limit that was passed, what failed or stopped it, what never came; and why nothing was
-//! driven, where nothing was.
+//! The verdict on a run: a limit that was passed, what failed or stopped it, what never came, what was not felt; and why
+//! nothing was driven, where nothing was.
 
-use palpate_files::{Scene, Setup};
-use palpate_records::trace::{Trace, event};
+use palpate_core::contact::Scope;
+use palpate_files::{Scene, Setup, SkinModule};
+use palpate_records::model;
+use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::{Conclusion, Verdict};
 
 use crate::summary::{AskedLevel, Summary};
@@ -22,9 +24,11 @@ impl Outcome {
     #[must_use]
     pub fn concluded(mut self, setup: &Setup, replayed: bool) -> Self {
         let scene = &setup.scene.value;
+        self.summary.pitch_mm = pitch_mm(setup);
         let summary = &self.summary;
         let mut conclusion = Conclusion::default();
         conclusion.add_margins(&summary.margins);
+        beyond(summary, &self.trace, &mut conclusion);
         match &self.failure {
             Some(stop @ Failure::Guard(_)) => conclusion.add(Verdict::Stopped, stop.to_string()),
             Some(failure) => conclusion.add(Verdict::Failed, failure.to_string()),
@@ -44,11 +48,10 @@ impl Outcome {
         if let Some(banner) = self.trace.header.source.banner() {
             conclusion.add(Verdict::Ok, banner);
         }
-        if summary.stimuli == 0 {
-            conclusion.add(
-                Verdict::Ok,
-                format!("no stimulus: {}", undriven(summary, scene, replayed)),
-            );
+        unfelt(summary, &mut conclusion);
+        if summary.stimuli == 0 && summary.onsets.meant == 0 && summary.onsets.off_pad == 0 {
+            let why = undriven(summary, scene, replayed);
+            conclusion.add(Verdict::Ok, format!("no stimulus: {why}"));
         }
         if let Some(missing) = summary.felt.missing_db {
             let file = setup.person.source.label();
@@ -111,25 +114,103 @@ fn missing(summary: &Summary, conclusion: &mut Conclusion) {
     );
 }
 
-/// Why no wire was driven.
+/// Temperatures beyond what the model knows, and since when.
+fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
+    let passed = [
+        ("a wire", summary.hottest_wire_c, model::WIRE_C),
+        ("skin", summary.hottest_skin_c, model::TISSUE_C),
+    ];
+    let passed = passed.into_iter().filter_map(|(what, hottest, most)| {
+        let beyond = hottest.filter(|c| model::known(*c, most).is_none());
+        beyond.map(|_| format!("{what} passed {most:.0} C"))
+    });
+    let passed: Vec<String> = passed.collect();
+    if passed.is_empty() {
+        return;
+    }
+    let is_beyond = |event: &&Event| match event {
+        Event::Wire(now) => f64::from(now.milli_c) * 1e-3 > model::WIRE_C,
+        Event::Skin(now) => f64::from(now.milli_c) * 1e-3 > model::TISSUE_C,
+        _ => false,
+    };
+    let first = trace.events.iter().find(is_beyond);
+    let since = first.map_or_else(String::new, |event| {
+        format!(" by {:.1} s", event.t_ns() as f64 * 1e-9)
+    });
+    let text = format!("{}{since}", passed.join(", "));
+    conclusion.add(Verdict::BeyondTheModel, text);
+}
+
+/// What lay beyond the display, and what of the rest was not felt; of several displays each by its name.
+fn unfelt(summary: &Summary, conclusion: &mut Conclusion) {
+    let displays = summary.displays.iter();
+    let mut each: Vec<_> = displays
+        .map(|d| {
+            (
+                format!("{}: ", d.name),
+                &d.onsets,
+                &d.felt.person,
+                d.limiter_events,
+            )
+        })
+        .collect();
+    if each.is_empty() {
+        let events = summary.limiter_events;
+        each.push((String::new(), &summary.onsets, &summary.felt.person, events));
+    }
+    for (name, onsets, person, limited) in each {
+        if onsets.mostly_off() {
+            let (off, touched) = (onsets.off_pad, onsets.touched);
+            conclusion.add(
+                Verdict::OffThePad,
+                format!(
+                    "{name}{off} of {touched} touched onsets lie beyond what the display shows"
+                ),
+            );
+        }
+        let (meant, felt) = (onsets.meant, onsets.felt.unwrap_or(0));
+        if onsets.mostly_unfelt() {
+            let why = match (onsets.unfound == meant, felt, limited) {
+                (true, ..) => "no reading of the touch rose above the contact threshold".to_owned(),
+                (false, 0, 1..) if summary.stimuli == 0 => {
+                    "the guard refused every stimulus".to_owned()
+                }
+                _ => format!("person `{person}` feels {felt} of {meant} onsets"),
+            };
+            conclusion.add(Verdict::NotFelt, format!("{name}{why}"));
+        }
+    }
+}
+
+/// From a taxel to the next on the modules that drive.
+fn pitch_mm(setup: &Setup) -> Option<f64> {
+    let scene = &setup.scene.value;
+    let fingers = setup.fingers.iter();
+    let of_fingers = fingers.flat_map(|f| &f.modules[..if f.merged { f.modules.len() } else { 1 }]);
+    let mut driving: Vec<usize> = of_fingers.copied().collect();
+    if driving.is_empty() {
+        driving = match scene.compression.scope {
+            Scope::Skin => (0..setup.sensor.value.modules.len()).collect(),
+            Scope::Module => vec![scene.drives],
+        };
+    }
+    let modules = driving
+        .into_iter()
+        .filter_map(|m| setup.sensor.value.modules.get(m));
+    modules.filter_map(SkinModule::pitch_mm).reduce(f64::min)
+}
+
+/// Why no wire was driven where nothing was to be felt.
 fn undriven(summary: &Summary, scene: &Scene, replayed: bool) -> &'static str {
     if summary.frames == 0 {
         return "the run ended before there was a reference to hold readings against";
     }
-    if summary.contacts == 0 {
-        return match (
-            replayed,
-            scene.touches.is_empty() && scene.strokes.is_empty(),
-        ) {
-            (true, _) => "no reading of the recording rose above the contact threshold",
-            (false, true) => "the scene touches nothing",
-            (false, false) => "the touch never meets the pad",
-        };
-    }
-    if summary.limiter_events > 0 {
-        "the guard refused every one"
-    } else {
-        "no contact lies on the part of the skin that is mapped to the display"
+    let touches_nothing = scene.touches.is_empty() && scene.strokes.is_empty();
+    match (summary.contacts, replayed) {
+        (0, true) => "no reading of the recording rose above the contact threshold",
+        (0, false) if touches_nothing => "the scene touches nothing",
+        (0, false) => "nothing touches the skin that drives the display",
+        _ => "no contact was on the display at an onset",
     }
 }
 

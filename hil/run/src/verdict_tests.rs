@@ -16,13 +16,71 @@ fn of(scene: &str, set: &[&str]) -> Conclusion {
 }
 
 #[test]
-fn a_burn_is_an_exceeded_limit() {
+fn a_burn_is_beyond_the_model_and_an_exceeded_limit() {
     let found = of("stuck-amplifier", &[]);
-    assert_eq!(found.verdict, Verdict::LimitExceeded);
+    assert_eq!(found.verdict, Verdict::BeyondTheModel);
+    let first = "a wire passed 400 C, skin passed 100 C by ";
+    assert!(found.why[0].starts_with(first), "{found:?}");
     assert!(
-        found.why[0].contains("rows of the limit table"),
+        found.why[1].contains("rows of the limit table"),
         "{found:?}"
     );
+}
+
+/// A touch that rests at a place with a force, as a line of a file.
+fn resting(x_mm: f64, force_n: f64) -> String {
+    format!(
+        "touches=[{{ start_s = 0.8, path = {{ kind = \"hold\", points_mm = [[{x_mm:?}, 0.0]] }}, force_n = {{ mean = {force_n:?} }} }}]"
+    )
+}
+
+#[test]
+fn what_is_touched_beside_the_pad_is_off_it_and_no_failure_to_feel() {
+    let found = of("sphere-along", &[&resting(60.0, 0.7)]);
+    assert_eq!(found.verdict, Verdict::OffThePad, "{found:?}");
+    assert!(found.why[0].contains("beyond what the display shows"));
+    assert_eq!(found.why.len(), 1, "{found:?}");
+    // A line that is on the pad for a tenth of its way.
+    let line = resting(0.0, 0.7).replace(
+        "kind = \"hold\", points_mm = [[0.0, 0.0]]",
+        "kind = \"line\", points_mm = [[0.0, -60.0], [0.0, 60.0]], period_s = 4.0",
+    );
+    assert_eq!(of("sphere-along", &[&line]).verdict, Verdict::OffThePad);
+}
+
+#[test]
+fn a_touch_that_no_reading_shows_is_not_felt() {
+    let found = of("sphere-along", &[&resting(0.0, 0.001)]);
+    assert_eq!(found.verdict, Verdict::NotFelt, "{found:?}");
+    assert!(found.why[0].contains("rose above the contact threshold"));
+}
+
+#[test]
+fn a_person_who_feels_less_than_half_decides() {
+    let found = of(
+        "sphere-along",
+        &[
+            "illusion.model=linear",
+            "illusion.person=dull",
+            "length_s=4",
+        ],
+    );
+    assert_eq!(found.verdict, Verdict::NotFelt, "{found:?}");
+    assert!(
+        found.why[0].starts_with("person `dull` feels "),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn pulses_of_a_texture_that_are_too_weak_are_not_felt() {
+    let mut scene = load_scene("texture-sponge1").unwrap();
+    scene.value.illusion.beta = 0.0005;
+    let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
+    let summary = run(&setup, &Input::Scene, 1).unwrap().summary;
+    assert_eq!(summary.conclusion.verdict, Verdict::NotFelt);
+    assert_eq!(summary.felt.breaks, None, "no onset had a contact");
+    assert!(summary.onsets.meant > 10, "{:?}", summary.onsets);
 }
 
 #[test]

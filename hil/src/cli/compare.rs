@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{Buses, Voice, whole, within};
+use super::{Buses, Voice, ranges, whole, within};
 
 /// A signal's name and the output it was clipped to.
 fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
@@ -34,9 +34,9 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 /// Options of `hil diff`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct DiffArgs {
-    /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv).
+    /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv); a folder of `hil run --out` has the last two.
     pub a: PathBuf,
     /// Another file of the same kind. A schedule also compares with a logic analyser's capture (.vcd, .csv).
     pub b: PathBuf,
@@ -59,7 +59,7 @@ pub struct DiffArgs {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors; use the exit status.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -76,7 +76,7 @@ pub struct ReviewArgs {
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long, requires = "html")]
+    #[arg(short = 'f', long, requires = "html")]
     pub force: bool,
 }
 
@@ -111,18 +111,21 @@ pub struct TestArgs {
     /// Only trials that failed when this folder was last tried.
     #[arg(long)]
     pub last_failed: bool,
+    /// Say what would be tried, and run nothing.
+    #[arg(long, conflicts_with_all = ["accept", "junit", "html"])]
+    pub list: bool,
     /// Keep what the runs do as the goldens of scenes that are files, in `goldens` beside them.
     #[arg(long)]
     pub accept: bool,
     /// Emulated trials at a time (default: as many as there are cores).
-    #[arg(long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
+    #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
     pub jobs: Option<usize>,
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
     /// A value in place of each scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`), as for
     /// `hil run`. Repeatable.
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
     /// Repeat a failed trial up to N times. A trial that then passes is reported as unstable.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 0, 10>, allow_hyphen_values = true)]
@@ -134,7 +137,7 @@ pub struct TestArgs {
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// Write the results as one page.
     #[arg(long, value_name = "FILE")]

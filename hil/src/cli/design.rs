@@ -4,17 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Voice, within};
+use super::{Voice, ranges, within};
 
 /// Most numbers of one list.
 const MOST: usize = 1000;
 
-/// Numbers between commas, within bounds.
+/// Numbers and ranges of them between commas, within bounds.
 fn numbers(text: &str, low: f64, high: f64) -> Result<Numbers, String> {
-    let expected =
-        || format!("expected numbers from {low} to {high} between commas, at most {MOST}");
-    let one = |part: &str| within(part.trim(), (low, high), "").ok();
-    let all: Option<Vec<f64>> = text.split(',').map(one).collect();
+    let expected = || {
+        format!(
+            "expected numbers from {low} to {high} between commas or as FROM..TO:STEP, at most {MOST}"
+        )
+    };
+    let one = |part: &String| within(part, (low, high), "").ok();
+    let all: Option<Vec<f64>> = ranges::list(text)?.iter().map(one).collect();
     all.filter(|all| all.len() <= MOST)
         .map(Numbers)
         .ok_or_else(expected)
@@ -70,14 +73,14 @@ pub struct DesignArgs {
     /// How long a wire is driven, s.
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = |t: &str| within(t, (3.0, 3600.0), " s"), allow_hyphen_values = true)]
     pub seconds: f64,
-    /// Write every point, .csv.
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    /// Write every point as a table, .csv.
+    #[arg(short = 'o', long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Write a page with the plot and the points that no other beats.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]

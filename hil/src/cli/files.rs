@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{positive, whole};
+use super::{positive, ranges, whole};
 
 /// What `hil list` shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,13 +62,13 @@ pub struct CheckArgs {
     #[arg(long)]
     pub migrate: bool,
     /// With --migrate: change the files themselves, and keep what they were as `mine.toml.old`.
-    #[arg(long, requires = "migrate")]
+    #[arg(short = 'f', long, requires = "migrate")]
     pub force: bool,
     /// Print a JSON array of {file, kind, complete, errors}.
     #[arg(long)]
     pub json: bool,
     /// Print nothing where nothing is wrong.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -96,10 +96,10 @@ pub struct NewFile {
     #[arg(long, value_name = "TEXT")]
     pub description: Option<String>,
     /// File to write, or a folder for NAME.toml (default: this folder).
-    #[arg(long, value_name = "FILE|DIR")]
+    #[arg(short = 'o', long, value_name = "FILE|DIR")]
     pub out: Option<PathBuf>,
     /// Overwrite a file that is there.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }
 
@@ -224,10 +224,10 @@ pub enum ExportKind {
 #[derive(Debug, Args)]
 pub struct ExportViews {
     /// Folder to write them into; made where there is none.
-    #[arg(value_name = "DIR", default_value = ".")]
-    pub folder: PathBuf,
+    #[arg(short = 'o', long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
     /// Overwrite files that are no such views.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }
 
@@ -237,16 +237,16 @@ pub struct ExportTaxels {
     /// A built-in scene or a file.
     pub scene: String,
     /// File to write (.csv). A skin of several modules makes one file per module: FILE-0.csv, FILE-1.csv and so on.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// A value in place of the scene's, as for `hil run`. Repeatable.
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
     /// Overwrite files that are no recordings of taxels.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }
 
@@ -261,6 +261,7 @@ pub struct CompletionsArgs {
 /// Options of `hil man`.
 #[derive(Debug, Args)]
 pub struct ManArgs {
-    /// A command (default: the page of `hil` itself).
-    pub command: Option<String>,
+    /// A command, and one below it: `hil man study run` (default: the page of `hil` itself).
+    #[arg(value_name = "COMMAND")]
+    pub command: Vec<String>,
 }

@@ -20,7 +20,7 @@ pub struct RecordArgs {
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub seconds: Option<f64>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]
@@ -47,7 +47,7 @@ pub struct ReplayArgs {
 #[derive(Debug, Args)]
 pub struct DoctorArgs {
     /// Check only the buses of this bench (default: all buses of the machine).
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// Check this driver unit beside them.
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub struct DoctorArgs {
 #[derive(Debug, Args)]
 pub struct OffArgs {
     /// A bench of real buses: a file.
-    #[arg(long, value_name = "NAME|FILE", required_unless_present_any = ["i2c", "unit"])]
+    #[arg(short = 'b', long, value_name = "NAME|FILE", required_unless_present_any = ["i2c", "unit"])]
     pub bench: Option<String>,
     /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
     #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
@@ -101,8 +101,8 @@ pub struct GuardianArgs {
 /// Options of `hil emulate`.
 #[derive(Debug, Args)]
 pub struct EmulateArgs {
-    /// A built-in bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
+    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).
     #[arg(long, value_name = "NAME|FILE")]
@@ -124,6 +124,6 @@ pub struct EmulateArgs {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use palpate_files::TimeColumn;
 
-use super::{Voice, rate};
+use super::{Voice, ranges, rate};
 
 /// What a trace measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,10 +25,15 @@ pub struct IdentifyArgs {
     #[arg(long, value_enum, default_value = "displacement")]
     pub signal: SignalArg,
     /// The bench whose wire, mount and finger it was taken of (default: emulated).
-    #[arg(long, value_name = "NAME|FILE", default_value = "emulated")]
+    #[arg(
+        short = 'b',
+        long,
+        value_name = "NAME|FILE",
+        default_value = "emulated"
+    )]
     pub bench: String,
     /// A value in place of the bench's (`wire.kind=loose`, `mount.sag_um=75`). Repeatable.
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
     /// Rows per second of a trace without times.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]

@@ -31,7 +31,7 @@ pub struct StudyRunArgs {
     #[arg(long, value_name = "N", value_parser = super::whole::<u32, 1, 1_000_000>, allow_hyphen_values = true)]
     pub participant: u32,
     /// The study's folder: one protocol, all participants.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
     /// On which bench. The seed is that of orders.
     #[command(flatten)]

@@ -4,31 +4,24 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Command, Voice, whole, within};
+use super::{Command, Voice, ranges, whole, within};
 
 /// Seeds, in the order in which they run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seeds(pub Vec<u64>);
 
 /// Most seeds of a sweep.
-const MOST_SEEDS: u64 = 1_000_000;
+const MOST_SEEDS: usize = 1_000_000;
 
 /// `1..20` (both ends count), `3`, or several of these between commas.
 fn seeds(text: &str) -> Result<Seeds, String> {
     let expected =
         || format!("expected seeds such as 1..20 (both ends count) or 3,5,8; at most {MOST_SEEDS}");
-    let mut all = Vec::new();
-    for part in text.split(',') {
-        let (from, to) = part.split_once("..").unwrap_or((part, part));
-        let read = |text: &str| text.trim().parse::<u64>().map_err(|_| expected());
-        let (from, to) = (read(from)?, read(to)?);
-        let count = to.checked_sub(from).ok_or_else(expected)?;
-        if count.saturating_add(all.len() as u64) >= MOST_SEEDS {
-            return Err(expected());
-        }
-        all.extend(from..=to);
-    }
-    Ok(Seeds(all))
+    let all = ranges::list(text)?;
+    let all: Option<Vec<u64>> = all.iter().map(|seed| seed.parse().ok()).collect();
+    all.filter(|all| all.len() <= MOST_SEEDS)
+        .map(Seeds)
+        .ok_or_else(expected)
 }
 
 /// `K/N`: the K-th of N parts.
@@ -47,18 +40,18 @@ fn part(text: &str) -> Result<(usize, usize), String> {
 pub struct SweepArgs {
     /// A built-in scene or a file.
     pub scene: String,
-    /// Values that a key takes in turn: of the scene (`illusion.shape=1,2,3`), or after `bench.` of the bench. Every
-    /// combination of several keys runs. Repeatable.
-    #[arg(long, value_name = "KEY=VALUE,VALUE,..")]
+    /// Values that a key takes in turn: of the scene (`illusion.shape=1,2,3`, `illusion.soa_ms=100..130:10`), or after
+    /// `bench.` of the bench. Both ends of a range count. Every combination of several keys runs. Repeatable.
+    #[arg(short = 's', long, value_name = "KEY=VALUE,FROM..TO:STEP,..")]
     pub set: Vec<String>,
-    /// Seeds of every combination: 1..20 (both ends count), or 3,5,8.
+    /// Seeds of every combination: 1..20 (both ends count), 1..20:2, or 3,5,8.
     #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds, allow_hyphen_values = true)]
     pub seeds: Seeds,
-    /// A built-in emulated bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
+    /// A built-in emulated bench or a file (default: what the scene wants, or emulated).
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The table, .csv or .jsonl. Rows that it has are not computed again.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
     /// Write a page with plots: figures against each swept number, with their spread over seeds.
     #[arg(long, value_name = "FILE")]
@@ -68,10 +61,10 @@ pub struct SweepArgs {
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
     /// Runs at a time (default: as many as there are cores).
-    #[arg(long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
+    #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
     pub jobs: Option<usize>,
     /// Overwrite files that are no earlier output of hil, and rows of another sweep.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]
@@ -81,18 +74,21 @@ pub struct SweepArgs {
 /// Options of `hil compare`.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// A summary (JSON), a table of `hil sweep`, or a folder of earlier summaries.
+    /// A summary (JSON), a folder of `hil run --out`, a table of `hil sweep`, or a folder of earlier summaries.
     pub a: PathBuf,
     /// Another one of its kind (default: the folder's summaries are shown over time).
     pub b: Option<PathBuf>,
     /// By how much numbers may differ and count as equal, percent of the larger one.
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |t: &str| within(t, (0.0, 100.0), ""), allow_hyphen_values = true)]
     pub tolerance_percent: f64,
-    /// Write the trends of a folder as a page with plots.
+    /// Write a page: figures beside each other, or the trends of a folder.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// List every value that differs, beyond the figures that have a name.
+    #[arg(long)]
+    pub long: bool,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long, requires = "html")]
+    #[arg(short = 'f', long, requires = "html")]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]

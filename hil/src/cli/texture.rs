@@ -44,10 +44,10 @@ pub struct Strokes {
 #[derive(Debug, Args)]
 pub struct StrokesArgs {
     /// Folder to write to.
-    #[arg(value_name = "FOLDER")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// What is stroked.
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub struct StrokesArgs {
     /// Readings per second; boards on CAN send 100.
     #[arg(long, value_name = "HZ", default_value_t = 100, value_parser = super::whole::<u32, 50, 1000>, allow_hyphen_values = true)]
     pub rate: u32,
-    /// Give the finger an accelerometer of 3 kHz; its readings go to FOLDER/accelerometer, in milli-g.
+    /// Give the finger an accelerometer of 3 kHz; its readings go to DIR/accelerometer, in milli-g.
     #[arg(long)]
     pub accelerometer: bool,
     /// Seed of all randomness.
@@ -94,7 +94,7 @@ pub struct MapArgs {
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }
 
@@ -122,7 +122,7 @@ pub struct ResponseArgs {
 #[derive(Debug, Args)]
 pub struct MaterialsArgs {
     /// The table to write (.toml).
-    #[arg(value_name = "FILE")]
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
     /// How many.
     #[arg(long, value_name = "N", default_value_t = 350, value_parser = super::whole::<u32, 1, 9999>, allow_hyphen_values = true)]
@@ -134,7 +134,7 @@ pub struct MaterialsArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// Overwrite a file that is no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }
 
@@ -150,7 +150,7 @@ pub struct PanelArgs {
     /// Recordings in place of emulated strokes: a folder of NAME_NUMBER.csv, columns as for `encode`.
     #[arg(
         long,
-        value_name = "FOLDER",
+        value_name = "DIR",
         requires = "rate",
         conflicts_with = "textures"
     )]
@@ -159,11 +159,16 @@ pub struct PanelArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, requires = "recordings", allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// An emulated bench: a built-in name or a file.
-    #[arg(long, value_name = "NAME|FILE", default_value = "emulated")]
+    #[arg(
+        short = 'b',
+        long,
+        value_name = "NAME|FILE",
+        default_value = "emulated"
+    )]
     pub bench: String,
-    /// Whose fingers feel the display: a person's name or file.
+    /// Whose fingers feel the display, built in or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
-    pub felt: String,
+    pub person: String,
     /// Duty of a pulse; left out: what eight wires of the default bench bear at the densest.
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub beta: Option<f64>,
@@ -174,7 +179,7 @@ pub struct PanelArgs {
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
     /// Print JSON in place of a table.
     #[arg(long)]
@@ -212,8 +217,9 @@ pub struct ExportArgs {
     #[arg(value_name = "MODEL|default")]
     pub model: String,
     /// File to write (.onnx).
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
     /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
+    #[arg(short = 'f', long)]
     pub force: bool,
 }

@@ -12,7 +12,7 @@ use palpate_files::Overrides;
 pub struct UnitArgs {
     /// Where to listen: ADDRESS or ADDRESS:PORT. 0.0.0.0 lets other computers in; a key is needed in any case.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", value_parser = address)]
-    pub listen: SocketAddr,
+    pub at: SocketAddr,
     /// The file of the key that its host has too; its owner alone may read it.
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
@@ -20,7 +20,7 @@ pub struct UnitArgs {
     #[arg(long, value_name = "FILE", exclusive = true)]
     pub new_key: Option<PathBuf>,
     /// The bench whose boards, wires and limits it has: built in or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The I2C adapter (/dev/i2c-N) of real boards, in place of the bench's.
     #[arg(long, value_name = "DEVICE")]
@@ -29,7 +29,7 @@ pub struct UnitArgs {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
 }
 

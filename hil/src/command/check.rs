@@ -5,15 +5,13 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{
     Checked, FileError, FileKind, Setup, Source, check as check_file, load_bench, load_scene,
-    migrated,
+    migrated, said,
 };
 use palpate_run::Failure;
 use serde_json::json;
 
 use crate::cli::CheckArgs;
 use palpate_live::output::{note, print, print_json, write_file};
-
-use super::devices::DEFAULT_BENCH;
 
 /// A file and what is wrong with it.
 struct Told {
@@ -41,7 +39,12 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     for path in &args.files {
         std::fs::metadata(path).map_err(|error| {
             let label = path.display().to_string();
-            FileError::whole(label, "a settings file", error.to_string())
+            let is_built_in = FileKind::ALL.iter().any(|k| k.names().contains(&&*label));
+            let found = match is_built_in {
+                true => "a name of what is built in, which needs no check".into(),
+                false => said(&error),
+            };
+            FileError::whole(label, "a settings file", found)
         })?;
     }
     let migrated = match args.migrate {
@@ -117,17 +120,17 @@ fn expect_new(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Holds scenes against benches: those among the files, else the one that `hil run` takes.
+/// Holds scenes against benches: those among the files, else each against the one that `hil run` takes.
 fn together(files: &mut [Told]) {
     let good = files.iter().filter(|file| file.is_good(FileKind::Bench));
-    let mut benches: Vec<String> = good.map(|file| file.path.clone()).collect();
-    let given = !benches.is_empty();
-    if !given {
-        benches.push(DEFAULT_BENCH.into());
+    let given = good.map(|file| Some(file.path.clone()));
+    let mut benches: Vec<Option<String>> = given.collect();
+    if benches.is_empty() {
+        benches.push(None);
     }
     for file in files.iter_mut().filter(|f| f.is_good(FileKind::Scene)) {
         for bench in &benches {
-            if let Err(refused) = fits(&file.path, bench, given) {
+            if let Err(refused) = fits(&file.path, bench.as_deref()) {
                 let text = refused.to_string();
                 if !file.refused.contains(&text) {
                     file.refused.push(text);
@@ -137,12 +140,13 @@ fn together(files: &mut [Told]) {
     }
 }
 
-/// Whether a scene can be begun on a bench. A scene that wants another display waits for its bench, unless that was
-/// `given`.
-fn fits(scene: &str, bench: &str, given: bool) -> Result<(), Failure> {
-    let (scene, bench) = (load_scene(scene)?, load_bench(bench)?);
+/// Whether a scene can be begun on a `given` bench, or without one on that which ships with what it wants. A scene for
+/// another display waits for its bench then.
+fn fits(scene: &str, given: Option<&str>) -> Result<(), Failure> {
+    let scene = load_scene(scene)?;
+    let bench = load_bench(given.unwrap_or(scene.value.own_bench()))?;
     let display = scene.value.map.display.as_ref();
-    if !given && display.is_some_and(|display| *display != bench.value.display) {
+    if given.is_none() && display.is_some_and(|display| *display != bench.value.display) {
         return Ok(());
     }
     let setup = Setup::join(scene, bench)?;

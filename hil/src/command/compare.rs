@@ -2,7 +2,7 @@
 //! summaries over time.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use palpate_files::{FileError, Format, read_text};
 use palpate_records::runs::RunTable;
@@ -11,13 +11,17 @@ use palpate_run::Failure;
 use serde_json::{Value, json};
 
 use crate::cli::{Color, CompareArgs};
-use crate::history::{Compared, Tolerance, Trend, compare_objects, compare_tables, page, trends};
+use crate::history::{
+    Compared, Named, Tolerance, Trend, compare_objects, compare_tables, page, page_of_two, trends,
+};
 use crate::sweep::read_table;
 use palpate_live::output::{Outputs, print, print_json};
 use palpate_live::progress::Progress;
 
 /// Longest result that is read as a whole.
 const MOST: u64 = 64 << 20;
+/// The summary in a folder of `hil run --out`.
+const SUMMARY: &str = "summary.json";
 
 /// Compares two files, or shows a folder's trends.
 ///
@@ -36,29 +40,39 @@ pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
             let all = trends(&args.a)?;
             (newest(&all, tolerance), all)
         }
-        None => {
+        None if args.a.exists() => {
             return Err(Failure::Input(format!(
-                "{}: expected a folder of summaries, or two files, found one file",
+                "{}: expected a second result to compare it with, or a folder of earlier summaries, found one file",
                 args.a.display()
             )));
         }
+        None => return Err(gone(&args.a).into()),
     };
-    match &args.html {
-        Some(_) if all.is_empty() => {
-            return Err(Failure::Input(
-                "--html: expected a folder of summaries, found two files".into(),
-            ));
-        }
-        Some(path) => {
-            let text = page(&all, &compared);
-            outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-        }
-        None => {}
+    let b = args.b.as_deref().unwrap_or(Path::new(""));
+    let names = [&*args.a, b].map(|path| path.display().to_string());
+    let names = [&*names[0], &names[1]];
+    if let Some(path) = &args.html {
+        let text = match &args.b {
+            Some(_) => page_of_two(&compared, names),
+            None => page(&all, &compared),
+        };
+        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
     }
     if args.voice.json {
         print_json(&object(&compared, &all))?;
     } else if !args.voice.quiet {
-        print(|out| write(&compared, &all, color.on(&io::stdout()), out))?;
+        let colored = color.on(&io::stdout());
+        print(|out| {
+            compared.conclusion.write(out, colored)?;
+            match compared.named.is_empty() {
+                false => figures(&compared, names, args.long, out)?,
+                true => differences(&compared, out)?,
+            }
+            let trends = all.iter().flat_map(Trend::table);
+            trends
+                .into_iter()
+                .try_for_each(|line| writeln!(out, "{line}"))
+        })?;
     }
     match compared.conclusion.verdict {
         Verdict::Ok => Ok(()),
@@ -72,8 +86,31 @@ enum Kept {
     Object(Value),
 }
 
+/// What is expected of a result.
+const EXPECTED: &str = "a summary (`hil run --json`), a folder of `hil run --out`, a table of `hil sweep`, or another result in JSON";
+
+fn gone(path: &Path) -> FileError {
+    let label = path.display().to_string();
+    FileError::whole(label, EXPECTED, "no such file or folder")
+}
+
+/// The result that a path means: of a folder its summary.
+fn result_at(path: &Path) -> Result<PathBuf, FileError> {
+    let inside = path.join(SUMMARY);
+    match (path.is_dir(), inside.is_file()) {
+        (false, _) if path.exists() => Ok(path.to_path_buf()),
+        (false, _) => Err(gone(path)),
+        (true, true) => Ok(inside),
+        (true, false) => {
+            let label = path.display().to_string();
+            let expected = "a folder of `hil run --out`, with summary.json in it";
+            Err(FileError::whole(label, expected, "a folder without one"))
+        }
+    }
+}
+
 fn two(a: &Path, b: &Path, tolerance: Tolerance) -> Result<Compared, Failure> {
-    match (read(a)?, read(b)?) {
+    match (read(&result_at(a)?)?, read(&result_at(b)?)?) {
         (Kept::Table(a), Kept::Table(b)) => Ok(compare_tables(&a, &b, tolerance)),
         (Kept::Object(a), Kept::Object(b)) => Ok(compare_objects(&a, &b, tolerance)),
         (of_a, of_b) => Err(Failure::Input(format!(
@@ -97,8 +134,7 @@ impl Kept {
 
 fn read(path: &Path) -> Result<Kept, FileError> {
     let label = path.display().to_string();
-    let expected =
-        "a summary (`hil run --json`), a table of `hil sweep`, or another result in JSON";
+    let expected = EXPECTED;
     // A table may be longer than any other result.
     if matches!(
         path.extension().and_then(|e| e.to_str()),
@@ -185,19 +221,51 @@ fn object(compared: &Compared, all: &[Trend]) -> Value {
     object
 }
 
-fn write(compared: &Compared, all: &[Trend], colored: bool, out: &mut dyn Write) -> io::Result<()> {
-    compared.conclusion.write(out, colored)?;
+/// The figures that have a name, side by side; behind them what else differs, in full if that is wanted.
+fn figures(
+    compared: &Compared,
+    names: [&str; 2],
+    long: bool,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let row = |named: &Named| {
+        let figure = format!("{} {}", named.figure, named.unit);
+        let values = [named.a, named.b].map(Named::value);
+        (figure.trim_end().to_owned(), values, named.grown())
+    };
+    let rows: Vec<_> = compared.named.iter().map(row).collect();
+    let width = |n: usize| {
+        let cells = rows.iter().map(|(_, values, _)| values[n].chars().count());
+        cells.max().unwrap_or(0).max(names[n].chars().count())
+    };
+    let widths = [width(0), width(1)];
     writeln!(
         out,
-        "{} figures compared, {} differ",
-        compared.figures,
-        compared.differences.len()
+        "  {:<28}{:>3$}  {:>4$}  change",
+        "", names[0], names[1], widths[0], widths[1]
     )?;
-    compared
-        .differences
-        .iter()
-        .try_for_each(|d| writeln!(out, "  {}", d.words()))?;
-    all.iter()
-        .flat_map(Trend::table)
-        .try_for_each(|line| writeln!(out, "{line}"))
+    for (figure, [a, b], grown) in &rows {
+        let line = format!(
+            "  {figure:<28}{a:>0$}  {b:>1$}  {grown}",
+            widths[0], widths[1]
+        );
+        writeln!(out, "{}", line.trim_end())?;
+    }
+    if long {
+        return differences(compared, out);
+    }
+    writeln!(
+        out,
+        "{} of {} values differ; --long lists them",
+        compared.differences.len(),
+        compared.figures
+    )
+}
+
+/// Every value that differs, a line each.
+fn differences(compared: &Compared, out: &mut dyn Write) -> io::Result<()> {
+    let (figures, differ) = (compared.figures, compared.differences.len());
+    writeln!(out, "{figures} figures compared, {differ} differ")?;
+    let mut all = compared.differences.iter();
+    all.try_for_each(|d| writeln!(out, "  {}", d.words()))
 }

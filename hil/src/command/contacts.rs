@@ -6,6 +6,7 @@ use palpate_core::contact::{Contact, Settings};
 use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_records::contacts_csv;
+use palpate_records::json::write_json;
 use palpate_records::trace::{PlaceUm, event};
 use serde_json::json;
 
@@ -80,7 +81,7 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         held: (count <= HELD).then_some(held),
     };
     if args.json {
-        return print(|out| write_json(&found, level, out));
+        return print(|out| write_list(&found, level, out));
     }
     match args.out.as_ref().zip(table) {
         None => print(|out| write_csv(&found, level, out)),
@@ -135,7 +136,7 @@ fn write_csv(
     })
 }
 
-fn write_json(
+fn write_list(
     found: &Found<'_>,
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
@@ -156,7 +157,7 @@ fn write_json(
             "level": level(c),
             "members": c.members,
         });
-        serde_json::to_writer(&mut *out, &object)?;
+        write_json(&object, &mut *out)?;
         Ok(())
     })?;
     let begun = before == b",";

@@ -5,7 +5,7 @@ use std::io;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_files::{Format, load_alloy, load_person, load_wire};
-use palpate_records::report::page::table;
+use palpate_records::report::page::wide;
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{self, Plot, Svg, dot, escape, path_key};
 use palpate_records::table::as_csv;
@@ -42,7 +42,7 @@ type Computed = (DesignPoint, DesignOutcome, bool);
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
     let outputs = Outputs::of(args.force);
-    if let Some(path) = &args.csv {
+    if let Some(path) = &args.out {
         outputs.check_csv(path, DESIGNS)?;
     }
     if let Some(path) = &args.html {
@@ -74,7 +74,7 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
         .zip(best)
         .map(|((point, outcome), best)| (point, outcome, best))
         .collect();
-    if let Some(path) = &args.csv {
+    if let Some(path) = &args.out {
         let text = rows(&computed);
         outputs.write(path, Format::Csv, |out| out.write_all(text.as_bytes()))?;
     }
@@ -231,9 +231,13 @@ fn tell(
             writeln!(out, "{}", line(point, of))?;
         }
         if best.len() > SHOWN {
-            writeln!(out, ".. and {} more; --csv has all", best.len() - SHOWN)?;
+            writeln!(
+                out,
+                ".. and {} more; --out FILE.csv keeps all",
+                best.len() - SHOWN
+            )?;
         }
-        let written = args.csv.iter().chain(&args.html);
+        let written = args.out.iter().chain(&args.html);
         written
             .into_iter()
             .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
@@ -275,7 +279,7 @@ fn html(computed: &[Computed], person: &str) -> String {
         out,
         "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that the limit table or the bow excludes are left out. The line joins what no other point beats in \
          level and temperature. Temperatures are at 0.1 mm in the worst corner of the guard's range; the limit is 43 \u{b0}C. \
-         Felt by <code>{}</code>.</p>\n<div class=\"plane\">{}</div><div class=\"legend\">{keys}</div></section>\n",
+         Felt by <code>{}</code>.</p>\n<div class=\"chart\">{}</div><div class=\"legend\">{keys}</div></section>\n",
         computed.len(),
         escape(person),
         chart(computed, &currents)
@@ -302,8 +306,8 @@ fn html(computed: &[Computed], person: &str) -> String {
     let _ = writeln!(
         out,
         "<section><h2>Points that no other beats in level, temperature and current</h2>\n\
-         <div class=\"wide\" tabindex=\"0\">{}</div></section>",
-        table(&columns, computed.iter().filter(|c| c.2).map(row))
+         {}</section>",
+        wide(&columns, computed.iter().filter(|c| c.2).map(row))
     );
     out + &page::foot()
 }
@@ -322,12 +326,12 @@ fn chart(computed: &[Computed], currents: &[f64]) -> String {
     let plot = Plot {
         left: 52.0,
         top: 30.0,
-        width: 640.0,
-        height: 320.0,
+        width: 386.0,
+        height: 230.0,
         x: Scale::round(x.0, x.1),
         y: Scale::round(y.0.min(0.0), y.1),
     };
-    let mut svg = Svg::new(710.0, 400.0, "Felt level over tissue temperature");
+    let mut svg = Svg::new(460.0, 306.0, "Felt level over tissue temperature");
     plot.x_axis(&mut svg, "tissue at 0.1 mm, worst corner [\u{b0}C]");
     plot.y_axis(&mut svg, "felt level over threshold [dB]");
     // From the coolest on, whatever is felt more strongly than all before.

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench, repeated_bus};
+use palpate_files::{
+    Bench, BenchKind, DEFAULT_BENCH, Loaded, Overrides, Real, load_bench, repeated_bus,
+};
 use palpate_run::Failure;
 
 use crate::cli::UnitOn;
 use palpate_live::link::UnitPlace;
-
-/// The bench of a command without one.
-pub(super) const DEFAULT_BENCH: &str = "emulated";
 
 /// A bench by name on its own buses or on these.
 ///

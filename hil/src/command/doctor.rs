@@ -11,6 +11,7 @@ use palpate_run::Failure;
 
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{State, VERSION};
+use palpate_files::unnumbered;
 
 use super::devices::{bench, unit_of};
 use palpate_live::link::{RemoteUnit, UnitPlace};
@@ -53,6 +54,8 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
     }
     let named = named.is_some() || place.is_some();
     findings.extend(place.iter().flat_map(unit));
+    let words = |finding: &mut Finding| finding.says = unnumbered(&finding.says);
+    findings.iter_mut().for_each(words);
     let ready = findings.iter().all(|f| f.ok || !f.needed);
     if args.json {
         let findings = &findings;

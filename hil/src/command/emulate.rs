@@ -6,7 +6,6 @@ use palpate_live::emulate::{self, Options};
 use palpate_live::telling::Telling;
 use palpate_run::Failure;
 
-use super::devices::DEFAULT_BENCH;
 use super::run::DEFAULT_SCENE;
 
 /// Serves a scene's boards and a bench's display until stopped.
@@ -15,7 +14,8 @@ use super::run::DEFAULT_SCENE;
 /// [`Failure`] with its exit status.
 pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
     let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    let bench = args.bench.as_deref();
+    let bench = load_bench(bench.unwrap_or(scene.value.own_bench()))?;
     let setup = Setup::join(scene, bench)?;
     emulate::serve(
         &setup,

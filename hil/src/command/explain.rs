@@ -213,11 +213,15 @@ fn contacts(setup: &Setup) -> String {
             format!("for each of {n} modules; all are recorded, one drives the display")
         }
     };
-    let how = match c.kc {
+    let how = match c.most_contacts() {
         1 => "a weighted mean, no iteration",
         _ => "passed through up to that many taxels, else weighted K-means from the last frame",
     };
-    format!("at most {} {span}: {how}", c.kc)
+    let grows = match c.most_contacts() > c.kc {
+        true => format!(" ({} with so many touches)", c.most_contacts()),
+        false => String::new(),
+    };
+    format!("at most {}{grows} {span}: {how}", c.kc)
 }
 
 /// What was done and left out.

@@ -28,20 +28,20 @@ fn export_views(args: &ExportViews) -> Result<(), Failure> {
     let named = |name: &str| {
         let json = name.ends_with(".json");
         let format = if json { Format::Json } else { Format::Xml };
-        (args.folder.join(name), format)
+        (args.out.join(name), format)
     };
     for (name, _) in VIEWS {
         let (path, format) = named(name);
         outputs.check(&path, format)?;
     }
-    make_folder(&args.folder)?;
+    make_folder(&args.out)?;
     for (name, text) in VIEWS {
         let (path, format) = named(name);
         outputs.write(&path, format, |out| out.write_all(text.as_bytes()))?;
     }
     print(|out| {
         for (name, _) in VIEWS {
-            writeln!(out, "wrote {}", args.folder.join(name).display())?;
+            writeln!(out, "wrote {}", args.out.join(name).display())?;
         }
         writeln!(
             out,
@@ -56,7 +56,7 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
         overrides.set("--set", text)?;
     }
     let scene = load_scene(&args.scene)?.with(&overrides)?;
-    let bench = bench_with(None, &overrides, &[], &[])?;
+    let bench = bench_with(Some(scene.value.own_bench()), &overrides, &[], &[])?;
     let setup = Setup::join(scene, bench)?;
     let sensor = &setup.sensor.value;
     let paths = paths(&args.out, sensor.modules.len());

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
-use palpate_files::{FileError, FileKind, Listed, built_in, illusions, of_folder};
+use palpate_files::{FileError, FileKind, Listed, built_in, illusions, of_folder, said};
 use palpate_run::Failure;
 
 use crate::cli::{ListArgs, Shelf};
@@ -26,7 +26,7 @@ pub fn list(args: &ListArgs) -> Result<(), Failure> {
     for folder in &args.dir {
         std::fs::read_dir(folder).map_err(|e| {
             let label = folder.display().to_string();
-            FileError::whole(label, "a readable folder (--dir)", e.to_string())
+            FileError::whole(label, "a readable folder (--dir)", said(&e))
         })?;
         here.extend(of_folder(folder, DEPTH));
     }

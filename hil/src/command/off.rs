@@ -10,7 +10,7 @@ use palpate_buses::oe::OeLine;
 use crate::cli::OffArgs;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::State;
-use palpate_files::{Bench, Loaded};
+use palpate_files::{Bench, Loaded, unnumbered};
 use palpate_live::link::{RemoteUnit, UnitPlace};
 use palpate_live::output::{note, print};
 use palpate_live::real::{forget, watch};
@@ -66,7 +66,11 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
         let lock = locks.iter().find(|lock| lock.hardware().is(hardware));
         tell_stop(hardware, lock, args.unlatch, off.is_ok(), &mut lines)?;
     }
-    print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    print(|out| {
+        lines
+            .iter()
+            .try_for_each(|line| writeln!(out, "{}", unnumbered(line)))
+    })?;
     off?;
     forget_heat(args, &bench.value.name, &bench)
 }
@@ -151,7 +155,11 @@ fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
     };
     let is_off = stopped.is_ok();
     tell_stop(&hardware, lock.as_ref(), unlatch, is_off, &mut lines)?;
-    print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    print(|out| {
+        lines
+            .iter()
+            .try_for_each(|line| writeln!(out, "{}", unnumbered(line)))
+    })?;
     stopped.map(drop)
 }
 

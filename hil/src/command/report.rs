@@ -4,28 +4,23 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::Setup;
 use palpate_records::report::{
-    FingerReport, HandReport, Pad, ReportExtras, SummaryRow, hand_html, report_html,
+    BandRow, FingerReport, HandReport, Pad, ReportExtras, SummaryRow, hand_html, report_html,
 };
 use palpate_run::{FeltBand, FeltCorner, Outcome, Refresh};
 
 use palpate_live::host::made;
 
-/// A row per preset and person: the level at both ends of the gain, and the place's error, which no gain moves.
-fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {
+/// A row per preset and person.
+fn band_rows(band: &FeltBand) -> Vec<BandRow> {
     let pair = |low: &FeltCorner| {
         let same = |c: &&FeltCorner| (c.preset, &c.person) == (low.preset, &low.person);
         let high = band.corners.iter().rfind(same).unwrap_or(low);
-        let error = low.error_energy_mm.map_or(String::new(), |e| {
-            format!(", error {:.2} mm RMSE by energy", e.rmse)
-        });
-        SummaryRow {
-            name: format!(
-                "felt level, median: {} wires, person {}, gain {} to {}{error}",
-                low.preset, low.person, low.gain, high.gain
-            ),
-            value: format!("{:+.1} to {:+.1}", low.level_db, high.level_db),
-            unit: "dB".into(),
-            ..SummaryRow::default()
+        BandRow {
+            wires: low.preset.into(),
+            person: low.person.clone(),
+            gain: [low.gain, high.gain],
+            level_db: [low.level_db, high.level_db],
+            error_mm: low.error_energy_mm.map(|error| error.rmse),
         }
     };
     let gain = band.corners.first().map(|c| c.gain);
@@ -82,19 +77,20 @@ pub fn report(outcome: &Outcome) -> String {
         let hz = s.taxels.refresh_hz.as_ref();
         hz.map_or_else(|| "-".to_owned(), |hz| format!("{:.1}", pick(hz)))
     };
-    let mut rows = vec![
+    let rows = [
         row("taxel refresh, median", refresh(|hz| hz.median), "Hz"),
         row("taxel refresh, slowest", refresh(|hz| hz.min), "Hz"),
         row("frozen taxels", s.taxels.frozen.to_string(), ""),
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
     ];
-    rows.extend(s.felt.band.iter().flat_map(band_rows));
+    let band: Vec<BandRow> = s.felt.band.iter().flat_map(band_rows).collect();
     report_html(
         &outcome.trace,
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            band: &band,
             readings: outcome.readings.as_ref(),
             warmth: &outcome.warmth,
             made: &made(),

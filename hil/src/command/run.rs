@@ -8,11 +8,11 @@ use palpate_records::verdict::Verdict;
 use crate::cli::{Color, RunArgs, Switch};
 use crate::trial::{Trial, TrialEnd, Try, judge, junit};
 use palpate_files::{
-    DRIFT_S, Format, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, load_scene,
+    DRIFT_S, Format, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, format_of,
+    load_scene,
 };
 use palpate_live::output::{make_folder, note, print, print_json, write_file};
 use palpate_live::recording::{Reading, ReadingStream, read_joints, recorded};
-use palpate_live::serve::Live;
 use palpate_live::views::Wanted;
 use palpate_live::{clock, host};
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
@@ -21,6 +21,7 @@ use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
 use super::run_files;
+use super::served::Served;
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -36,20 +37,39 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
     }
-    let mut outcome = play(args, &setup, timing, &plan)?;
+    let paced = !setup.bench.value.is_hardware();
+    if args.again && !paced {
+        let bench = &setup.bench.value.name;
+        return Err(Failure::Input(format!(
+            "--loop: expected an emulated bench, found `{bench}`: on hardware a person begins each run"
+        )));
+    }
+    let served = args.serve.map(|at| Served::open(at, args.open, paced));
+    let served = served.transpose()?;
+    let mut outcome = play(args, &setup, timing, (&plan, served.as_ref()))?;
     let tried = args.junit.is_some().then(|| judge(&setup, &outcome));
     let failure = outcome.failure.take();
     outcome.summary.date = Some(clock::date(clock::unix_us()));
     remark(args, &outcome)?;
     let failed = write(args, &setup, &outcome, (&plan, tried))?;
-    tell(args, &outcome, &plan.paths, color)?;
     if args.explain {
         explained(args, |out| explain::done(&outcome, out))?;
     }
+    tell(args, &outcome, &plan.paths, color)?;
     let conclusion = &outcome.summary.conclusion;
+    // Who stopped the run has seen how it ended.
+    if let Some(served) = served.filter(|_| !args.again && conclusion.verdict != Verdict::Stopped) {
+        served.stay();
+    }
     match conclusion.verdict {
-        Verdict::LimitExceeded | Verdict::Incomplete => Err(Failure::Check(conclusion.line())),
-        Verdict::Failed | Verdict::Stopped | Verdict::Ok => failure.or(failed).map_or(Ok(()), Err),
+        Verdict::BeyondTheModel | Verdict::LimitExceeded | Verdict::Incomplete => {
+            Err(Failure::Check(conclusion.line()))
+        }
+        Verdict::Failed
+        | Verdict::Stopped
+        | Verdict::NotFelt
+        | Verdict::OffThePad
+        | Verdict::Ok => failure.or(failed).map_or(Ok(()), Err),
     }
 }
 
@@ -103,32 +123,38 @@ fn prepare(args: &RunArgs, setup: &Setup) -> Result<Plan, Failure> {
     })
 }
 
-/// Plays a scene or a recording on its bench, before those who look on.
-fn play(args: &RunArgs, setup: &Setup, timing: Timing, plan: &Plan) -> Result<Outcome, Failure> {
-    let live = args.serve.map(Live::open).transpose()?;
-    if let Some(live) = &live {
-        let pace = match setup.bench.value.is_hardware() {
-            true => "",
-            false => "; the run keeps to the wall clock",
-        };
-        note(&format!("live view: {}{pace}", live.url));
-    }
+/// Plays a scene or a recording on its bench, before those who look on; with `--loop` until one of them ends it. Then the
+/// last run that was whole counts.
+fn play(
+    args: &RunArgs,
+    setup: &Setup,
+    timing: Timing,
+    (plan, served): (&Plan, Option<&Served>),
+) -> Result<Outcome, Failure> {
     let wanted = Wanted {
         watch: args.watch,
-        live: live.as_ref(),
+        live: served.map(|served| &served.live),
         desk: None,
         quiet: args.voice.quiet,
         files: &plan.growing,
         outputs: run_files::outputs(args),
     };
-    let played = played(args, setup, timing, (plan.keep, wanted));
-    if let Some(live) = &live {
-        live.over(&match &played {
-            Ok(outcome) => outcome.summary.conclusion.line(),
-            Err(failure) => failure.to_string(),
-        });
+    let mut whole = None;
+    loop {
+        let played = played(args, setup, timing.clone(), (plan.keep, wanted));
+        if let Some(served) = served {
+            served.over(&played);
+        }
+        let outcome = played?;
+        if outcome.summary.conclusion.verdict == Verdict::Stopped {
+            return Ok(whole.unwrap_or(outcome));
+        }
+        let Some(served) = served.filter(|_| args.again) else {
+            return Ok(outcome);
+        };
+        whole = Some(outcome);
+        served.live.again()?;
     }
-    played
 }
 
 fn played(
@@ -224,12 +250,10 @@ fn tell(
     } else if args.voice.quiet {
         Ok(())
     } else {
-        print(|out| {
-            outcome.summary.write(out, color.on(&io::stdout()))?;
-            written
-                .iter()
-                .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
-        })
+        let written = written.iter().map(|path| path.display().to_string());
+        let written: Vec<String> = written.collect();
+        let how = (args.long, color.on(&io::stdout()));
+        print(|out| outcome.summary.write(out, how, &written))
     }
 }
 
@@ -259,10 +283,15 @@ fn timing(args: &RunArgs) -> Result<Timing, Failure> {
 
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
-    setup_of(
-        load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?,
-        args,
-    )
+    let name = args.scene.as_deref().unwrap_or(DEFAULT_SCENE);
+    if let Some(format @ (Format::Csv | Format::Candump | Format::Mcap)) = format_of(name.as_ref())
+    {
+        return Err(Failure::Input(format!(
+            "{name}: expected a scene (TOML), found {}; `hil run --replay {name}` plays a recording",
+            format.noun()
+        )));
+    }
+    setup_of(load_scene(name)?, args)
 }
 
 /// The same with a scene that is read already.
@@ -272,12 +301,9 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
 pub fn setup_of(scene: Loaded<Scene>, args: &RunArgs) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
     let mut scene = scene.with(&overrides)?;
-    let bench = bench_with(
-        args.on.bench.as_deref(),
-        &overrides,
-        &args.on.can,
-        &args.on.i2c,
-    )?;
+    let named = args.on.bench.as_deref();
+    let named = named.unwrap_or(scene.value.own_bench());
+    let bench = bench_with(Some(named), &overrides, &args.on.can, &args.on.i2c)?;
     let replayed = args.replay.first();
     let replayed = replayed.map(|first| format!("replay of {}", first.display()));
     let streamed = args.stream.as_ref();
@@ -313,7 +339,7 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         ("--illusion", "illusion.model", args.illusion.clone()),
         ("--render", "illusion.render", args.render.clone()),
         ("--wearer", "illusion.wearer", args.wearer.clone()),
-        ("--felt", "illusion.person", args.felt.clone()),
+        ("--person", "illusion.person", args.person.clone()),
         ("--intensity", "illusion.intensity", args.intensity.map(on)),
     ] {
         if let Some(value) = value {

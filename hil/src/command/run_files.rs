@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{Format, Setup};
 use palpate_records::contacts_csv::write_table;
+use palpate_records::json::write_json_lines;
 use palpate_records::mcap::{BusTraffic, write_mcap};
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::schedule_golden;
@@ -13,7 +14,7 @@ use palpate_run::{Failure, Outcome, attachments};
 
 use super::report::{hand, report};
 use crate::cli::RunArgs;
-use palpate_live::output::{Outputs, write_file, write_sidecar};
+use palpate_live::output::{Outputs, check_folder, write_file, write_sidecar};
 use palpate_live::record::path_of;
 use palpate_live::recording::write_can_log;
 
@@ -101,7 +102,7 @@ fn write_one(format: Format, path: &Path, setup: &Setup, outcome: &Outcome) -> R
         Format::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
         Format::Html => out.write_all(report(outcome).as_bytes()),
         Format::Json => {
-            serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
+            write_json_lines(&outcome.summary, &mut *out)?;
             writeln!(out)
         }
         other => Err(io::Error::other(format!("{} is no record", other.noun()))),
@@ -124,6 +125,7 @@ pub(super) fn outputs(args: &RunArgs) -> Outputs<'_> {
 pub(super) fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failure> {
     let mut files = Vec::new();
     if let Some(folder) = &args.out {
+        check_folder(folder)?;
         for (format, name) in [
             (Format::Json, "summary.json"),
             (Format::Schedule, "schedule.jsonl"),
@@ -134,7 +136,7 @@ pub(super) fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathB
         }
     }
     files.extend(args.schedule.iter().map(|p| (Format::Schedule, p.clone())));
-    files.extend(args.report.iter().map(|p| (Format::Html, p.clone())));
+    files.extend(args.html.iter().map(|p| (Format::Html, p.clone())));
     for path in &args.record {
         files.push((format_of_record(path)?, path.clone()));
     }

@@ -226,19 +226,39 @@ fn answered(dir: &Path, protocol: &Protocol, records: &[Record]) -> Result<Analy
     analyse(protocol, records).map_err(|e| Failure::Input(format!("{}: {e}", dir.display())))
 }
 
+/// Refuses to hold simulated people against themselves: those of one protocol, number and seed are the same people.
+fn independent(own: &[Record], others: &[Record], beside: &Path) -> Result<(), Failure> {
+    let same = |a: &Record, b: &Record| {
+        let person = |r: &Record| (r.about.protocol.clone(), r.about.participant, r.about.seed);
+        a.about.simulated && b.about.simulated && person(a) == person(b)
+    };
+    let both = own.iter().filter(|a| others.iter().any(|b| same(a, b)));
+    let both: Vec<String> = both.map(|r| r.about.participant.to_string()).collect();
+    match both.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::Input(format!(
+            "--beside {}: expected other people, found simulated participants of the same protocol, number and seed: {}; `hil study run --seed` draws others",
+            beside.display(),
+            both.join(", ")
+        ))),
+    }
+}
+
 fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
     let (folder, protocol) = Folder::open(&args.dir)?;
     let records = folder.records()?;
     let mut analysis = answered(&args.dir, &protocol, &records)?;
     if let Some(other) = &args.beside {
         let (folder, their) = Folder::open(other)?;
-        let found = answered(other, &their, &folder.records()?)?;
+        let their_records = folder.records()?;
+        let found = answered(other, &their, &their_records)?;
         // Two studies of one protocol are told apart by their folders.
         let dirs = [other, &args.dir].map(|dir| dir.display().to_string());
         let names = match found.protocol == analysis.protocol {
             true => (dirs[0].as_str(), dirs[1].as_str()),
             false => (found.protocol.as_str(), protocol.name.as_str()),
         };
+        independent(&records, &their_records, other)?;
         if !analysis.compare_ratings(&found, names) {
             return Err(Failure::Input(format!(
                 "--beside {}: expected ratings of a condition and a scale that {} has as well, found none in common",
@@ -282,19 +302,20 @@ fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
     };
     writeln!(out, "{}: {} {who}", of.protocol, of.participants.len())?;
     for c in &of.comparisons {
+        let says = c.says_nothing().unwrap_or_else(|| {
+            let r = &c.effect;
+            format!(
+                "U {:.1}, p {:.4}, r {:.2} [{:.2}, {:.2}]",
+                c.u, c.p, r.value, r.low, r.high
+            )
+        });
+        let [first, second] = c.medians;
         writeln!(
             out,
-            "  {}: {} {:.2}, {} {:.2}; U {:.1}, p {:.4}, r {:.2} [{:.2}, {:.2}]",
+            "  {}: {} {first:.2}, {} {second:.2}; {says}",
             plain(&c.of),
             plain(&c.first),
-            c.medians[0],
-            plain(&c.second),
-            c.medians[1],
-            c.u,
-            c.p,
-            c.effect.value,
-            c.effect.low,
-            c.effect.high
+            plain(&c.second)
         )?;
     }
     for d in &of.drawings {
@@ -312,15 +333,13 @@ fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
     }
     for c in &of.choices {
         if let Some(part) = &c.part {
+            let says = c.says_nothing().unwrap_or_else(|| format!("p {:.4}", c.p));
+            let [value, low, high] = [part.value, part.low, part.high].map(|v| 100.0 * v);
             writeln!(
                 out,
-                "  {} over {}: {:.0} % [{:.0}, {:.0}], p {:.4}",
+                "  {} over {}: {value:.0} % [{low:.0}, {high:.0}], {says}",
                 plain(&c.pair[1]),
-                plain(&c.pair[0]),
-                100.0 * part.value,
-                100.0 * part.low,
-                100.0 * part.high,
-                c.p
+                plain(&c.pair[0])
             )?;
         }
     }

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::devices::bench;
+use crate::cli::ranges::add;
 use crate::cli::{Color, SweepArgs};
 use crate::sweep::{Growing, Work, page};
 use palpate_live::output::{Outputs, print, print_json};
@@ -38,10 +39,10 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
     }
-    let base = Setup::join(
-        load_scene(&args.scene)?,
-        bench(args.bench.as_deref(), &[], &[])?,
-    )?;
+    let scene = load_scene(&args.scene)?;
+    let named = args.bench.as_deref();
+    let named = bench(Some(named.unwrap_or(scene.value.own_bench())), &[], &[])?;
+    let base = Setup::join(scene, named)?;
     let cores = || std::thread::available_parallelism().map_or(1, Into::into);
     let jobs = args.jobs.unwrap_or_else(cores);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
@@ -58,11 +59,11 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
     tell(&work, args, color, caught)
 }
 
-/// `KEY=VALUE,VALUE`; commas between brackets or quotes belong to a value.
+/// `KEY=VALUE,FROM..TO:STEP`; commas between brackets or quotes belong to a value.
 fn axis(text: &str) -> Result<Axis, Failure> {
     let expected = || {
         Failure::Input(format!(
-            "--set: expected KEY=VALUE,VALUE,.., found `{text}`"
+            "--set: expected KEY=VALUE,VALUE,.. or KEY=FROM..TO:STEP, found `{text}`"
         ))
     };
     let text_is_plain = !text.contains(char::is_control);
@@ -86,12 +87,15 @@ fn axis(text: &str) -> Result<Axis, Failure> {
         }
     }
     values.push(value);
-    let values: Vec<String> = values.iter().map(|v| v.trim().to_owned()).collect();
     let key = key.trim().to_owned();
-    if key.is_empty() || values.iter().any(String::is_empty) {
+    let mut all = Vec::new();
+    for value in values {
+        add(&mut all, &value).map_err(|e| Failure::Input(format!("--set {key}: {e}")))?;
+    }
+    if key.is_empty() || all.iter().any(String::is_empty) {
         return Err(expected());
     }
-    Ok(Axis { key, values })
+    Ok(Axis { key, values: all })
 }
 
 /// Ends a run when a signal came.
@@ -148,12 +152,7 @@ fn run(
 /// The gravest of the rows, each verdict with its first one.
 fn conclusion(rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusion {
     let mut conclusion = Conclusion::default();
-    for verdict in [
-        Verdict::LimitExceeded,
-        Verdict::Failed,
-        Verdict::Stopped,
-        Verdict::Incomplete,
-    ] {
+    for verdict in Verdict::ALL.into_iter().filter(|v| *v != Verdict::Ok) {
         let mut of = rows.iter().filter(|row| row.verdict == verdict);
         if let Some(first) = of.next() {
             let (count, at) = (1 + of.count(), first.key.place());
@@ -226,7 +225,7 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
     }
     match conclusion.verdict {
         _ if caught.is_some() => Err(Failure::Stopped(conclusion.line())),
-        Verdict::Ok => Ok(()),
+        verdict if verdict.is_done() => Ok(()),
         Verdict::Stopped => Err(Failure::Guard(conclusion.line())),
         _ => Err(Failure::Check(conclusion.line())),
     }

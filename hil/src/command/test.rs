@@ -1,29 +1,25 @@
 //! `hil test`: every scene with expectations, as a trial on a bench.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
 
 use crate::cli::{Color, TestArgs};
 use crate::trial::{
-    Goldens, Halt, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks,
-    last, page,
+    Goldens, Halt, Held, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit,
+    lacks, last, page, unclaimed,
 };
 use palpate_files::{
-    Bench, BenchKind, FileError, Format, Loaded, Overrides, Quarantine, Setup, Source, load_bench,
-    sensor_of,
+    Bench, BenchKind, FileError, Format, Loaded, Overrides, Quarantine, Setup, Source, sensor_of,
 };
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::{Outputs, print};
 use palpate_live::progress::Progress;
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
-use serde::Serialize;
 
-use super::devices::bench_with;
-
-/// Measurements on the line of a trial that passed.
-const SHOWN: usize = 3;
+use super::test_stages::{change, chooses_none, list, stages};
+use super::test_told::{FILES, counts, json, slowest, tell};
 
 /// Runs the trials and says how they ended.
 ///
@@ -36,10 +32,12 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
         overrides.set("--set", text)?;
     }
     let mut suite = Suite::collect(&args.targets, args.filter.as_deref())?;
-    for member in &mut suite.members {
-        member.scene = member.scene.clone().with(&overrides)?;
+    change(&mut suite, &overrides)?;
+    let mut broken = std::mem::take(&mut suite.broken);
+    let stages = stages(args, &suite, &overrides, &mut broken)?;
+    if args.list {
+        return list(args, &stages, &broken);
     }
-    let benches = benches(args, &suite, &overrides)?;
     for (path, format) in pages(args) {
         outputs(args).check(path, format)?;
     }
@@ -47,54 +45,36 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
         args,
         color,
         told: !args.voice.quiet && !args.voice.json,
-        source: benches.first().map_or("emulated", kind),
+        source: stages.first().map_or("emulated", |stage| kind(&stage.0)),
         quarantine: quarantine(args, &suite)?,
         failed_before: failed_before(args, &suite)?,
     };
     let mut suites = Vec::new();
     let mut halt = None;
-    for bench in &benches {
-        let (trials, found) = run.on(bench, &suite)?;
+    let broken = broken.iter();
+    let broken = broken.map(|(path, why)| Trial::broken(&path.display().to_string(), why.clone()));
+    let mut files: Vec<Trial> = broken.collect();
+    for (bench, members) in &stages {
+        let (trials, found) = run.on(bench, members)?;
         suites.push((bench.value.name.clone(), trials));
         halt = halt.or(found);
     }
     if let Some(folder) = &suite.folder {
         last::remember(folder, &suites)?;
     }
-    run.tell(&suites, halt)
-}
-
-/// The benches that are meant: the one named, else the emulated ones in the folders, else the one that ships.
-fn benches(
-    args: &TestArgs,
-    suite: &Suite,
-    overrides: &Overrides,
-) -> Result<Vec<Loaded<Bench>>, Failure> {
-    let on = &args.on;
-    if on.bench.is_none() && on.can.is_empty() && on.i2c.is_empty() {
-        let mut found = Vec::new();
-        for path in &suite.benches {
-            let bench = load_bench(&path.display().to_string())?.with(overrides)?;
-            if bench.value.kind == BenchKind::Emulated {
-                found.push(bench);
-            }
-        }
-        if !found.is_empty() {
-            return Ok(found);
-        }
+    if halt.is_none() {
+        let names: Vec<&str> = suites.iter().map(|(name, _)| name.as_str()).collect();
+        let all_tried = suite.whole && !args.last_failed && chooses_none(args);
+        files.extend(unclaimed(&suite, &names, all_tried)?);
     }
-    // A bench of the folders may be meant by the name of its file.
-    let named = on.bench.as_deref().map(|name| {
-        let same = |p: &&PathBuf| p.file_stem().is_some_and(|stem| stem == name);
-        let path = suite.benches.iter().find(same);
-        path.map_or_else(|| name.to_owned(), |p| p.display().to_string())
-    });
-    Ok(vec![bench_with(
-        named.as_deref(),
-        overrides,
-        &on.can,
-        &on.i2c,
-    )?])
+    if !files.is_empty() {
+        if run.told {
+            let colored = run.colored();
+            print(|out| files.iter().try_for_each(|trial| tell(trial, colored, out)))?;
+        }
+        suites.push((FILES.to_owned(), files));
+    }
+    run.tell(&suites, halt)
 }
 
 fn quarantine(args: &TestArgs, suite: &Suite) -> Result<Quarantine, FileError> {
@@ -153,14 +133,14 @@ impl Run<'_> {
     fn on(
         &self,
         bench: &Loaded<Bench>,
-        suite: &Suite,
+        members: &[&Member],
     ) -> Result<(Vec<Trial>, Option<Halt>), Failure> {
         let name = &bench.value.name;
         let again = |m: &&Member| {
             let failed = self.failed_before.as_ref();
             failed.is_none_or(|f| f.contains(&(m.scene.value.name.clone(), name.clone())))
         };
-        let members: Vec<&Member> = suite.members.iter().filter(again).collect();
+        let members: Vec<&Member> = members.iter().copied().filter(again).collect();
         if self.told {
             let (n, kind, seed) = (members.len(), kind(bench), self.args.on.seed);
             let s = if n == 1 { "" } else { "s" };
@@ -179,7 +159,9 @@ impl Run<'_> {
             let tried: Vec<Result<(Trial, Option<Halt>), Failure>> = match &halt {
                 Some(why) => {
                     let why = ToString::to_string(why);
-                    let skipped = |m: &&Member| Trial::skipped(&m.scene.value.name, why.clone());
+                    let skipped = |m: &&Member| {
+                        Trial::untried(&m.scene.value.name, TrialEnd::Skipped(why.clone()))
+                    };
                     some.iter().map(|m| Ok((skipped(m), None))).collect()
                 }
                 None => {
@@ -191,8 +173,14 @@ impl Run<'_> {
                     pool.install(|| some.par_iter().map(one).collect())
                 }
             };
-            for ended in tried {
-                let (mut trial, found) = ended?;
+            for (member, ended) in some.iter().zip(tried) {
+                let (mut trial, found) = match ended {
+                    Err(bad @ (Failure::Input(_) | Failure::File(_))) => {
+                        let name = &member.scene.value.name;
+                        (Trial::broken(name, bad.to_string()), None)
+                    }
+                    ended => ended?,
+                };
                 halt = halt.or(found);
                 if let Some(reason) = self.quarantine.reason(&trial.scene, name) {
                     trial = quarantined(trial, reason);
@@ -209,13 +197,18 @@ impl Run<'_> {
     /// What all came to, on standard output and in files.
     fn tell(&self, suites: &[(String, Vec<Trial>)], halt: Option<Halt>) -> Result<(), Failure> {
         let trials: Vec<&Trial> = suites.iter().flat_map(|(_, trials)| trials).collect();
-        let skipped = |t: &&&Trial| matches!(t.end, TrialEnd::Skipped(_));
-        let verdict = match trials.iter().map(|t| t.end.verdict()).max() {
-            _ if trials.iter().filter(skipped).count() == trials.len() => Verdict::Incomplete,
-            None | Some(Verdict::Ok) => Verdict::Ok,
+        let verdict = if !trials.iter().any(|t| t.end.is_tried()) {
+            Verdict::Incomplete
+        } else if trials.iter().all(|t| t.end.verdict().is_done()) {
+            Verdict::Ok
+        } else {
             // That a limit was passed is the trial's verdict; of all trials it is that one failed.
-            Some(_) => Verdict::Failed,
+            Verdict::Failed
         };
+        // Where nothing could be tried, the command line is what is wrong.
+        let wrong = |t: &&&Trial| matches!(t.end, TrialEnd::Broken(_));
+        let all_wrong = trials.iter().filter(wrong).count() == trials.len();
+        let all_wrong = trials.first().filter(|_| all_wrong);
         let mut counts = counts(&trials);
         if verdict == Verdict::Incomplete {
             counts += "; nothing was tested";
@@ -232,9 +225,13 @@ impl Run<'_> {
             json(verdict, self.source, suites)?;
         } else if self.told {
             print(|out| {
+                slowest(&trials, out)?;
                 let word = verdict.paint(verdict.word(), self.colored());
                 writeln!(out, "{word}: {counts}")
             })?;
+        }
+        if let Some(broken) = all_wrong {
+            return Err(Failure::Input(broken.end.why().join("; ")));
         }
         match (halt, verdict) {
             (Some(halt @ Halt::Unwell(_)), _) => Err(Failure::Device(halt.to_string())),
@@ -252,36 +249,59 @@ const fn kind(bench: &Loaded<Bench>) -> &'static str {
     }
 }
 
+/// The goldens of a scene that is a file, on a bench.
+pub(super) fn goldens_of(member: &Member, bench: &Loaded<Bench>) -> Option<Goldens> {
+    let file = member.file.as_deref();
+    file.map(|file| Goldens::of(file, &bench.value.name))
+}
+
+/// How the trial of a scene that is not tried on a bench ends; none where it is tried.
+pub(super) fn why_not(
+    member: &Member,
+    bench: &Loaded<Bench>,
+    args: &TestArgs,
+) -> Result<Option<TrialEnd>, Failure> {
+    let scene = &member.scene;
+    if let Some(missing) = scene.value.misses(&bench.value) {
+        let own = scene.value.own_bench();
+        let why = format!("the scene wants {missing}, such as bench `{own}` has");
+        return Ok(Some(TrialEnd::Refused(why)));
+    }
+    let goldens = goldens_of(member, bench);
+    let kept = args.accept || goldens.is_some_and(|g| !g.kinds().is_empty());
+    if !expects_anything(&scene.value.expect) && !kept {
+        let why = "no [expect] in the scene, and no golden beside it";
+        return Ok(Some(TrialEnd::Skipped(why.into())));
+    }
+    // Before the two are joined, which a display that does not fit would refuse.
+    let sensor = sensor_of(scene)?;
+    let missing = lacks(&scene.value, &sensor.value, &bench.value);
+    let some = (!missing.is_empty()).then(|| missing.join(", "));
+    Ok(some.map(|missing| TrialEnd::Skipped(format!("the bench lacks {missing}"))))
+}
+
 /// One trial: skipped for what the bench lacks, or run and held against its goldens.
 fn one(
     member: &Member,
     bench: &Loaded<Bench>,
     args: &TestArgs,
 ) -> Result<(Trial, Option<Halt>), Failure> {
-    let scene = &member.scene;
-    let name = scene.value.name.clone();
-    let goldens = member.file.as_deref();
-    let goldens = goldens.map(|file| Goldens::of(file, &bench.value.name));
-    let kept = args.accept || goldens.as_ref().is_some_and(Goldens::exist);
-    if !expects_anything(&scene.value.expect) && !kept {
-        let why = "no [expect] in the scene, and no golden beside it";
-        return Ok((Trial::skipped(&name, why.into()), None));
+    let name = member.scene.value.name.clone();
+    if let Some(end) = why_not(member, bench, args)? {
+        return Ok((Trial::untried(&name, end), None));
     }
-    // Before the two are joined, which a display that does not fit would refuse.
-    let sensor = sensor_of(scene)?;
-    let missing = lacks(&scene.value, &sensor.value, &bench.value);
-    if !missing.is_empty() {
-        let why = format!("the bench lacks {}", missing.join(", "));
-        return Ok((Trial::skipped(&name, why), None));
-    }
-    let setup = Setup::join(scene.clone(), bench.clone())?;
-    let mut input = None;
-    let decided = decide(&name, args.retries, || {
-        let tried = attempt(&setup, args.on.seed, |outcome, wrong| match &goldens {
-            Some(goldens) if !args.accept => goldens.check(&outcome.trace, wrong),
-            // What fails its expectations is nothing to keep.
-            Some(goldens) if wrong.verdict == Verdict::Ok => goldens.accept(&outcome.trace),
-            _ => Ok(()),
+    let goldens = goldens_of(member, bench);
+    let setup = Setup::join(member.scene.clone(), bench.clone())?;
+    let (mut input, mut held) = (None, Held::default());
+    let (mut trial, halt) = decide(&name, args.retries, || {
+        let tried = attempt(&setup, args.on.seed, |outcome, wrong| {
+            held = match &goldens {
+                Some(goldens) if !args.accept => goldens.check(&outcome.trace, wrong)?,
+                // What fails its expectations is nothing to keep.
+                Some(goldens) if wrong.verdict == Verdict::Ok => goldens.accept(&outcome.trace)?,
+                _ => Held::default(),
+            };
+            Ok(())
         });
         tried.unwrap_or_else(|failure| {
             input.get_or_insert(failure);
@@ -291,10 +311,30 @@ fn one(
             }
         })
     });
-    match input {
-        Some(failure) => Err(failure),
-        None => Ok(decided),
+    if let Some(failure) = input {
+        return Err(failure);
     }
+    trial.remark = remark(&held, goldens.as_ref());
+    trial.goldens = held;
+    Ok((trial, halt))
+}
+
+/// What to do about goldens that changed, and about those that hold other benches alone.
+fn remark(held: &Held, goldens: Option<&Goldens>) -> Option<String> {
+    if let Some(folder) = &held.waits {
+        let folder = folder.display();
+        return Some(format!(
+            "`hil review --goldens {folder}` shows the change, to accept or reject it"
+        ));
+    }
+    let others = goldens.map_or_else(Vec::new, Goldens::of_others);
+    let unheld = held.kinds.is_empty() && held.wrote.is_empty() && !others.is_empty();
+    unheld.then(|| {
+        format!(
+            "held by no golden of this bench; there is {}",
+            others.join(", ")
+        )
+    })
 }
 
 fn quarantined(trial: Trial, reason: &str) -> Trial {
@@ -303,104 +343,10 @@ fn quarantined(trial: Trial, reason: &str) -> Trial {
             end: TrialEnd::Quarantined(wrong, reason.to_owned()),
             ..trial
         },
-        TrialEnd::Passed | TrialEnd::Unstable(_) => Trial {
+        TrialEnd::Passed | TrialEnd::Noted(_) | TrialEnd::Unstable(_) => Trial {
             remark: Some("passes although it is quarantined: take it out".to_owned()),
             ..trial
         },
         _ => trial,
     }
-}
-
-/// A line for the trial, and more where something is wrong.
-fn tell(trial: &Trial, colored: bool, out: &mut dyn Write) -> io::Result<()> {
-    // Padded first: the codes of a colour have no width.
-    let word = format!("{:<14}", trial.end.word());
-    let word = trial.end.verdict().paint(&word, colored);
-    let detail = match &trial.end {
-        TrialEnd::Passed | TrialEnd::Unstable(_) => {
-            let held = trial.measures.iter().filter(|m| m.bound.is_some());
-            let words: Vec<String> = held.take(SHOWN).map(|m| m.words()).collect();
-            words.join(", ")
-        }
-        TrialEnd::Skipped(why) => why.clone(),
-        TrialEnd::Failed(_) => String::new(),
-        TrialEnd::Quarantined(_, reason) => reason.clone(),
-    };
-    let took = format!("{:.2} s", trial.took.as_secs_f64());
-    writeln!(out, "{word}  {:<26} {took:>8}  {detail}", trial.scene)?;
-    let more: &[String] = match &trial.end {
-        TrialEnd::Unstable(before) => before,
-        TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
-        _ => &[],
-    };
-    for line in more.iter().chain(&trial.remark) {
-        writeln!(out, "                {line}")?;
-    }
-    Ok(())
-}
-
-fn counts(trials: &[&Trial]) -> String {
-    let count = |counts: fn(&TrialEnd) -> bool| trials.iter().filter(|t| counts(&t.end)).count();
-    let (passed, failed) = (
-        count(|e| matches!(e, TrialEnd::Passed)),
-        count(|e| matches!(e, TrialEnd::Failed(_))),
-    );
-    let others = [
-        (count(|e| matches!(e, TrialEnd::Unstable(_))), "unstable"),
-        (
-            count(|e| matches!(e, TrialEnd::Quarantined(..))),
-            "quarantined",
-        ),
-        (count(|e| matches!(e, TrialEnd::Skipped(_))), "skipped"),
-    ];
-    let mut words = format!("{passed} passed, {failed} failed");
-    for (n, word) in others.into_iter().filter(|(n, _)| *n > 0) {
-        words += &format!(", {n} {word}");
-    }
-    words
-}
-
-fn json(verdict: Verdict, source: &str, suites: &[(String, Vec<Trial>)]) -> Result<(), Failure> {
-    let trial = |bench: &str, t: &Trial| {
-        let measures: Vec<serde_json::Value> = t
-            .measures
-            .iter()
-            .map(|m| {
-                serde_json::json!({
-                    "name": m.name, "value": m.value, "unit": m.unit,
-                    "limit": m.bound_text(), "good": m.good(),
-                })
-            })
-            .collect();
-        let why: &[String] = match &t.end {
-            TrialEnd::Passed => &[],
-            TrialEnd::Skipped(why) => std::slice::from_ref(why),
-            TrialEnd::Unstable(before) => before,
-            TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
-        };
-        serde_json::json!({
-            "trial": t.scene, "bench": bench, "verdict": t.end.key(), "why": why,
-            "took_s": t.took.as_secs_f64(), "measures": measures,
-        })
-    };
-    let of = |(bench, trials): &(String, Vec<Trial>)| -> Vec<_> {
-        trials.iter().map(|t| trial(bench, t)).collect()
-    };
-    let trials: Vec<serde_json::Value> = suites.iter().flat_map(of).collect();
-    let benches: Vec<&str> = suites.iter().map(|(bench, _)| bench.as_str()).collect();
-    /// In this order: the verdict first.
-    #[derive(Serialize)]
-    struct All<'a> {
-        verdict: Verdict,
-        bench: String,
-        source: &'a str,
-        trials: Vec<serde_json::Value>,
-    }
-    let all = All {
-        verdict,
-        bench: benches.join(", "),
-        source,
-        trials,
-    };
-    print_json(&all)
 }

@@ -29,7 +29,7 @@ const SCENE: &str = "texture-wood";
 pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let mut overrides = Overrides::default();
-    overrides.scene("--felt", "illusion.person", &args.felt);
+    overrides.scene("--person", "illusion.person", &args.person);
     if let Some(beta) = args.beta {
         overrides.scene("--beta", "illusion.beta", beta);
     }
@@ -163,7 +163,7 @@ fn as_json(args: &PanelArgs, study: &Study, bare: Option<&(Study, Ranks)>) -> Va
         "source": "simulated panel on an emulated display",
         "model": args.model,
         "bench": args.bench,
-        "person": args.felt,
+        "person": args.person,
         "seed": args.seed,
         "subjects": SUBJECTS,
         "repeats": REPEATS,

@@ -32,7 +32,7 @@ pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
     })?;
     let out = args.out.display();
     note(&format!(
-        "{out}: {count} materials, {unseen} of them unseen; `hil texture strokes FOLDER --varied --textures {out}` strokes them"
+        "{out}: {count} materials, {unseen} of them unseen; `hil texture strokes --out FOLDER --varied --textures {out}` strokes them"
     ));
     Ok(())
 }

@@ -39,7 +39,7 @@ pub fn unit(args: &UnitArgs) -> Result<(), Failure> {
     unit::serve(
         &setup,
         &Options {
-            listen: args.listen,
+            listen: args.at,
             key,
             telling: Telling::of(args.json, args.quiet),
         },

@@ -1,8 +1,11 @@
 //! A figure that differs, and what all of them come to.
 
-use palpate_records::runs::number;
+use palpate_records::runs::{Measured, Values, has_zero, number, short};
 use palpate_records::verdict::{Conclusion, Verdict};
 use serde::Serialize;
+
+/// Digits that every writer of a number keeps: what differs behind them is how it was written.
+const WRITTEN: f64 = 1e-9;
 
 /// By how much numbers may differ and count as equal: a part of the larger one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,12 +14,12 @@ pub struct Tolerance(pub f64);
 impl Tolerance {
     /// Whether two numbers count as equal.
     pub fn equal(self, a: f64, b: f64) -> bool {
-        (a - b).abs() <= self.0 * a.abs().max(b.abs())
+        (a - b).abs() <= self.0.max(WRITTEN) * a.abs().max(b.abs())
     }
 }
 
 /// A figure that differs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
     /// Which.
     pub figure: String,
@@ -24,33 +27,60 @@ pub struct Difference {
     pub a: Option<String>,
     /// What the second file says.
     pub b: Option<String>,
-    /// How much the number grew, as a part of the first one; none of zero, and where it is no number.
+    /// How much the number grew, as a part of the first one; none of zero, of a unit without one such as dB, and where it is no
+    /// number.
     pub change: Option<f64>,
+    /// The second number less the first; none where it is no number.
+    pub difference: Option<f64>,
+    /// The unit; empty for a count, and where it is not known.
+    pub unit: String,
     /// Where among several runs; empty for one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub detail: String,
 }
 
 impl Difference {
-    /// Of two numbers.
-    pub fn of_numbers(figure: String, a: f64, b: f64) -> Self {
+    /// Of two numbers in a unit.
+    pub fn of_numbers(figure: String, (a, b): (f64, f64), unit: &str) -> Self {
         let change = (b - a) / a.abs();
         Self {
             figure,
             a: Some(number(a)),
             b: Some(number(b)),
-            change: change.is_finite().then_some(change),
+            change: Some(change).filter(|part| part.is_finite() && has_zero(unit)),
+            difference: Some(b - a).filter(|d| d.is_finite()),
+            unit: unit.to_owned(),
             detail: String::new(),
+        }
+    }
+
+    /// How much it grew, in words: `+5.6 %`, `+0.09 dB`; empty where it is no number.
+    pub fn grown(&self) -> String {
+        match (self.change.map(|part| part * 100.0), self.difference) {
+            (Some(percent), _) if percent.abs() > 1e6 => "> 1e6 %".to_owned(),
+            (Some(percent), _) => format!("{percent:+.2} %"),
+            (None, Some(difference)) => {
+                let sign = if difference < 0.0 { "" } else { "+" };
+                // Of percents the difference is in points.
+                let unit = if self.unit == "%" {
+                    "points"
+                } else {
+                    &self.unit
+                };
+                format!("{sign}{} {unit}", short(difference))
+                    .trim_end()
+                    .to_owned()
+            }
+            (None, None) => String::new(),
         }
     }
 
     /// As people read it: `felt_error_mm.rmse  1.62 -> 1.71 (+5.6 %)`.
     pub fn words(&self) -> String {
         let said = |text: &Option<String>| text.as_deref().unwrap_or("nothing").to_owned();
-        let grown = match self.change.map(|part| part * 100.0) {
-            Some(percent) if percent.abs() > 1e6 => " (> 1e6 %)".to_owned(),
-            Some(percent) => format!(" ({percent:+.2} %)"),
-            None => String::new(),
+        let grown = match self.grown() {
+            grown if grown.is_empty() => grown,
+            grown => format!(" ({grown})"),
         };
         let detail = match &*self.detail {
             "" => String::new(),
@@ -65,6 +95,58 @@ impl Difference {
     }
 }
 
+/// A figure that has a name, of both results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Named {
+    /// Its key in tables.
+    pub key: &'static str,
+    /// What it is, as people read it.
+    pub figure: &'static str,
+    /// Its unit; empty for a count.
+    pub unit: &'static str,
+    /// The first result's value; none where it has none.
+    pub a: Option<f64>,
+    /// The second result's value.
+    pub b: Option<f64>,
+    /// Whether they differ by more than they may.
+    pub differs: bool,
+}
+
+impl Named {
+    /// Of two results; none where neither has a value.
+    pub fn of(measured: &Measured, of: [&Values; 2], tolerance: Tolerance) -> Option<Self> {
+        let [a, b] = of.map(|values| values.get(measured.key).copied());
+        let differs = match (a, b) {
+            (None, None) => return None,
+            (Some(a), Some(b)) => !tolerance.equal(a, b),
+            _ => true,
+        };
+        Some(Self {
+            key: measured.key,
+            figure: measured.words,
+            unit: measured.unit,
+            a,
+            b,
+            differs,
+        })
+    }
+
+    /// A value as people read it; a dash for none.
+    pub fn value(value: Option<f64>) -> String {
+        value.map_or_else(|| "-".to_owned(), short)
+    }
+
+    /// How much it grew, in words; empty where it did not.
+    pub fn grown(&self) -> String {
+        match (self.a, self.b) {
+            (Some(a), Some(b)) if self.differs => {
+                Difference::of_numbers(String::new(), (a, b), self.unit).grown()
+            }
+            _ => String::new(),
+        }
+    }
+}
+
 /// What a comparison found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Compared {
@@ -75,6 +157,9 @@ pub struct Compared {
     pub figures: usize,
     /// Those that differ, in the order of the first file.
     pub differences: Vec<Difference>,
+    /// The figures that have a name, the weightiest first; empty where the results are no summaries.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub named: Vec<Named>,
 }
 
 impl Compared {
@@ -86,16 +171,30 @@ impl Compared {
             .differences
             .iter()
             .max_by(|a, b| size(a).total_cmp(&size(b)));
-        if let Some(most) = most {
+        let mut named = self.named.iter().filter(|named| named.differs);
+        if let Some(first) = named.next() {
+            let (a, b) = (Named::value(first.a), Named::value(first.b));
+            let text = format!(
+                "{} of {} figures differ, first of all {} {a} -> {b} {}",
+                1 + named.count(),
+                self.named.len(),
+                first.figure,
+                first.unit
+            );
+            self.conclusion.add(Verdict::Failed, text.trim_end());
+        } else if let Some(most) = most {
             let words = most
                 .words()
                 .split_whitespace()
                 .collect::<Vec<_>>()
                 .join(" ");
-            let text = format!(
-                "{count} of {} figures differ, most of all {words}",
-                self.figures
-            );
+            let text = match self.named.is_empty() {
+                true => format!(
+                    "{count} of {} figures differ, most of all {words}",
+                    self.figures
+                ),
+                false => format!("no figure with a name differs, but {words}"),
+            };
             self.conclusion.add(Verdict::Failed, text);
         } else if self.figures == 0 {
             self.conclusion

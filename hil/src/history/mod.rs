@@ -2,10 +2,12 @@
 
 mod difference;
 mod objects;
+mod pair;
 mod tables;
 mod trend;
 
-pub use difference::{Compared, Difference, Tolerance};
+pub use difference::{Compared, Difference, Named, Tolerance};
 pub use objects::compare_objects;
+pub use pair::page_of_two;
 pub use tables::compare_tables;
 pub use trend::{Trend, page, trends};

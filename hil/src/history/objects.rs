@@ -2,40 +2,72 @@
 
 use std::collections::BTreeMap;
 
+use palpate_records::runs::{WEIGHTIEST, by_weight, values};
 use serde_json::Value;
 
-use super::difference::{Compared, Difference, Tolerance};
+use super::difference::{Compared, Difference, Named, Tolerance};
 
 /// Keys of what was measured on a machine at a time: they differ from run to run.
 const OF_THE_MACHINE: [&str; 6] = ["wall_s", "frame_us", "took_s", "date", "version", "pacing"];
 /// What items of a list are called by, so that another order is no difference.
 const NAMES: [&str; 3] = ["name", "trial", "interface"];
+/// Places of a summary that say what another place says as well, and that place.
+const TWINS: [(&str, &str); 4] = [
+    ("/felt/error_energy_mm", "/felt_error_mm"),
+    ("/felt/error_amplitude_mm", "/felt_error_amplitude_mm"),
+    ("/felt/breaks", "/felt_error_mm/breaks"),
+    ("/felt/jumps", "/felt_error_mm/jumps"),
+];
+/// What follows from the other keys of a margin.
+const OF_A_MARGIN: [&str; 2] = ["margin", "used"];
 
-/// Holds two values against each other. Timings, dates and versions are left out.
+/// A value that holds no other, and its unit where its key or what it lies in says so.
+struct Leaf<'v> {
+    value: &'v Value,
+    unit: &'v str,
+}
+
+/// Holds two values against each other. Timings, dates and versions are left out, and what says the same twice counts once.
 pub fn compare_objects(a: &Value, b: &Value, tolerance: Tolerance) -> Compared {
     let (mut of_a, mut of_b) = (BTreeMap::new(), BTreeMap::new());
-    flatten(a, String::new(), &mut of_a);
-    flatten(b, String::new(), &mut of_b);
+    flatten((a, ""), String::new(), &mut of_a);
+    flatten((b, ""), String::new(), &mut of_b);
+    for (twin, other) in TWINS {
+        if [a, b].iter().all(|object| object.pointer(other).is_some()) {
+            let twin = twin.trim_start_matches('/').replace('/', ".");
+            let is_it = |key: &String| {
+                let rest = key.strip_prefix(&*twin);
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+            };
+            of_a.retain(|key, _| !is_it(key));
+            of_b.retain(|key, _| !is_it(key));
+        }
+    }
     let keys: std::collections::BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
     let mut compared = Compared {
         figures: keys.len(),
+        named: named(a, b, tolerance),
         ..Compared::default()
     };
     for key in keys {
         let (x, y) = (of_a.get(key), of_b.get(key));
-        let numbers = x.zip(y).and_then(|(x, y)| x.as_f64().zip(y.as_f64()));
+        let numbers = x.zip(y);
+        let numbers = numbers.and_then(|(x, y)| x.value.as_f64().zip(y.value.as_f64()));
+        let unit = x.or(y).map_or("", |leaf| leaf.unit);
         let found = match numbers {
             Some((x, y)) if tolerance.equal(x, y) => continue,
-            Some((x, y)) => Difference::of_numbers(key.clone(), x, y),
-            None if x == y => continue,
+            Some(both) => Difference::of_numbers(key.clone(), both, unit),
+            None if x.map(|x| x.value) == y.map(|y| y.value) => continue,
             None => {
-                let said = |v: Option<&&Value>| v.filter(|v| !v.is_null()).map(ToString::to_string);
+                let said = |leaf: Option<&Leaf<'_>>| {
+                    let value = leaf.map(|leaf| leaf.value).filter(|v| !v.is_null());
+                    value.map(ToString::to_string)
+                };
                 Difference {
                     figure: key.clone(),
                     a: said(x),
                     b: said(y),
-                    change: None,
-                    detail: String::new(),
+                    ..Difference::default()
                 }
             }
         };
@@ -44,30 +76,69 @@ pub fn compare_objects(a: &Value, b: &Value, tolerance: Tolerance) -> Compared {
     compared.concluded()
 }
 
+/// The figures of two summaries that have a name; none of other objects.
+fn named(a: &Value, b: &Value, tolerance: Tolerance) -> Vec<Named> {
+    if ![a, b].iter().all(|object| object["margins"].is_array()) {
+        return Vec::new();
+    }
+    let of = [&values(a), &values(b)];
+    let weighty = by_weight().take(WEIGHTIEST.len());
+    weighty
+        .filter_map(|measured| Named::of(measured, of, tolerance))
+        .collect()
+}
+
+/// The unit that a key ends with, as far as it decides how a difference is told.
+fn unit_of(key: &str) -> Option<&'static str> {
+    let units = [("_db", "dB"), ("_c", "\u{b0}C"), ("_percent", "%")];
+    let unit = units.iter().find(|(ending, _)| key.ends_with(ending));
+    unit.map(|(_, unit)| *unit)
+}
+
 /// Every value that holds no other, by its path: `margins[pulse].worst`.
-fn flatten<'v>(value: &'v Value, path: String, into: &mut BTreeMap<String, &'v Value>) {
+fn flatten<'v>(
+    (value, unit): (&'v Value, &'v str),
+    path: String,
+    into: &mut BTreeMap<String, Leaf<'v>>,
+) {
     match value {
         Value::Object(all) => {
-            for (key, value) in all
-                .iter()
-                .filter(|(key, _)| !OF_THE_MACHINE.contains(&key.as_str()))
-            {
+            let unit = all.get("unit").and_then(Value::as_str).unwrap_or(unit);
+            let is_margin = all.contains_key("worst") && all.contains_key("limit");
+            for (key, value) in all {
+                let derived = is_margin && OF_A_MARGIN.contains(&key.as_str());
+                if derived || OF_THE_MACHINE.contains(&key.as_str()) {
+                    continue;
+                }
                 let dot = if path.is_empty() { "" } else { "." };
-                flatten(value, format!("{path}{dot}{key}"), into);
+                let unit = unit_of(key).unwrap_or(unit);
+                flatten((value, unit), format!("{path}{dot}{key}"), into);
             }
         }
         Value::Array(items) => {
             for (n, value) in items.iter().enumerate() {
-                let name = NAMES.iter().find_map(|name| value.get(name)?.as_str());
-                let named = name.map(|name| format!("{path}[{name}]")).filter(|named| {
+                let named = name(value).map(|name| format!("{path}[{name}]"));
+                let named = named.filter(|named| {
                     // Two of one name are told by their number.
                     !into.keys().any(|key| key.starts_with(named.as_str()))
                 });
-                flatten(value, named.unwrap_or_else(|| format!("{path}[{n}]")), into);
+                let path = named.unwrap_or_else(|| format!("{path}[{n}]"));
+                flatten((value, unit), path, into);
             }
         }
-        leaf => drop(into.insert(path, leaf)),
+        value => drop(into.insert(path, Leaf { value, unit })),
     }
+}
+
+/// What an item of a list is called by: its name, or the corner of a band that it is.
+fn name(item: &Value) -> Option<String> {
+    let own = NAMES.iter().find_map(|name| item.get(name)?.as_str());
+    let corner = || {
+        let text = |key: &str| item.get(key)?.as_str();
+        let gain = item.get("gain")?.as_f64()?;
+        Some(format!("{} {gain} {}", text("preset")?, text("person")?))
+    };
+    own.map(str::to_owned).or_else(corner)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use palpate_core::statistics;
-use palpate_records::runs::{MEASURED, RunKey, RunRow, RunTable};
+use palpate_records::runs::{MEASURED, Measured, RunKey, RunRow, RunTable, by_weight};
 use palpate_records::verdict::Verdict;
 
 use super::difference::{Compared, Difference, Tolerance};
@@ -64,18 +64,18 @@ pub fn compare_tables(a: &RunTable, b: &RunTable, tolerance: Tolerance) -> Compa
             figure: "verdict".to_owned(),
             a: Some(a.verdict.word().to_owned()),
             b: Some(b.verdict.word().to_owned()),
-            change: None,
             detail: format!(
                 "{} of {} runs, first {}",
                 verdicts.count(),
                 pairs.len(),
                 a.key.place()
             ),
+            ..Difference::default()
         });
     }
-    for measured in &MEASURED {
+    for measured in by_weight() {
         let name = format!("{} {}", measured.words, measured.unit);
-        let difference = figure(&pairs, measured.key, tolerance);
+        let difference = figure(&pairs, measured, tolerance);
         compared
             .differences
             .extend(difference.map(|difference| Difference {
@@ -87,8 +87,12 @@ pub fn compare_tables(a: &RunTable, b: &RunTable, tolerance: Tolerance) -> Compa
 }
 
 /// The means of a figure, where it differs in any run, and where it does most.
-fn figure(pairs: &[(&RunRow, &RunRow)], key: &str, tolerance: Tolerance) -> Option<Difference> {
-    let value = |row: &RunRow| row.values.get(key).copied();
+fn figure(
+    pairs: &[(&RunRow, &RunRow)],
+    measured: &Measured,
+    tolerance: Tolerance,
+) -> Option<Difference> {
+    let value = |row: &RunRow| row.values.get(measured.key).copied();
     let values = |(a, b): &(&RunRow, &RunRow)| (value(a), value(b));
     let differs = |pair: &&(&RunRow, &RunRow)| match values(pair) {
         (Some(x), Some(y)) => !tolerance.equal(x, y),
@@ -107,7 +111,7 @@ fn figure(pairs: &[(&RunRow, &RunRow)], key: &str, tolerance: Tolerance) -> Opti
         let single = Difference {
             figure: String::new(),
             detail: String::new(),
-            ..of(values(most))
+            ..of(values(most), measured.unit)
         };
         let words = single.words();
         let runs = format!("{} of {} runs", differing.len(), pairs.len());
@@ -119,22 +123,20 @@ fn figure(pairs: &[(&RunRow, &RunRow)], key: &str, tolerance: Tolerance) -> Opti
     };
     Some(Difference {
         detail,
-        ..of((mean(|v| v.0), mean(|v| v.1)))
+        ..of((mean(|v| v.0), mean(|v| v.1)), measured.unit)
     })
 }
 
 /// The difference of two values, of which one may be missing.
-fn of((a, b): (Option<f64>, Option<f64>)) -> Difference {
+fn of((a, b): (Option<f64>, Option<f64>), unit: &str) -> Difference {
     match (a, b) {
-        (Some(a), Some(b)) => Difference::of_numbers(String::new(), a, b),
+        (Some(a), Some(b)) => Difference::of_numbers(String::new(), (a, b), unit),
         (a, b) => {
             let said = |v: Option<f64>| v.map(palpate_records::runs::number);
             Difference {
-                figure: String::new(),
                 a: said(a),
                 b: said(b),
-                change: None,
-                detail: String::new(),
+                ..Difference::default()
             }
         }
     }

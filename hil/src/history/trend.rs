@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{FileError, Format, entries, read_text};
-use palpate_records::report::page::table;
+use palpate_records::report::page::wide;
 use palpate_records::report::svg::escape;
 use palpate_records::runs::{MEASURED, Measured, Values, short, values};
 use palpate_records::verdict::Verdict;
@@ -102,7 +102,8 @@ fn read(path: &Path) -> Result<Option<(String, Earlier)>, FileError> {
     if Format::of(text.as_bytes()) != Some(Format::Json) {
         return Ok(None);
     }
-    let summary: Value = serde_json::from_str(&text).map_err(|e| {
+    let text = text.trim_start_matches('\u{feff}');
+    let summary: Value = serde_json::from_str(text).map_err(|e| {
         FileError::whole(
             path.display().to_string(),
             "a summary (JSON)",
@@ -201,7 +202,7 @@ pub fn page(trends: &[Trend], compared: &Compared) -> String {
         for measured in &MEASURED {
             let lines: Vec<Line> = some.iter().map(|trend| trend.line(measured.key)).collect();
             if lines.iter().any(|line| !line.spots.is_empty()) {
-                out.push_str(&chart(&lines, "run", &label(measured)));
+                out.push_str(&chart(&lines, ("run", ""), (measured.words, measured.unit)));
                 names = legend(&lines);
             }
         }
@@ -226,9 +227,9 @@ pub fn page(trends: &[Trend], compared: &Compared) -> String {
         };
         let _ = writeln!(
             out,
-            "<section><h2>{}</h2><div class=\"wide\" tabindex=\"0\">{}</div></section>",
+            "<section><h2>{}</h2>{}</section>",
             escape(&trend.name),
-            table(&columns, trend.runs.iter().enumerate().map(row))
+            wide(&columns, trend.runs.iter().enumerate().map(row))
         );
     }
     out + &foot()

@@ -84,6 +84,8 @@ enum End {
 /// [`Failure`] of the bench, or of the disk: no trial begins before the last answer is on it.
 pub fn conduct(mut of: Conducting<'_>) -> Result<Ended, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+    // Before anything begins the experimenter sees what it will be.
+    of.tell(None)?;
     if let Answers::Page(desk) = of.answers
         && !of.is_over()
         && let Some(end) = of.begin(desk, &signals)?
@@ -182,6 +184,7 @@ impl Conducting<'_> {
             match self.wait(desk, view, signals)? {
                 Came::Reply(Reply::Read) => {
                     self.begun = true;
+                    self.tell(None)?;
                     return Ok(None);
                 }
                 Came::Reply(_) => {}
@@ -247,6 +250,7 @@ impl Conducting<'_> {
             "done": done,
             "all": all,
             "void": void,
+            "begun": self.begun,
             "step": step_name(self.session.step()),
             "trial": trial,
             "lay": present,

@@ -104,8 +104,12 @@ impl Folder {
         };
         let copy = folder.protocol_path();
         if !copy.is_file() {
+            let found = match path.is_dir() {
+                true => "a folder without protocol.toml",
+                false => "no such folder",
+            };
             return Err(Failure::Input(format!(
-                "{}: expected the folder of a study, which `hil study run` makes: it has no protocol.toml",
+                "{}: expected the folder of a study, which `hil study run` makes, found {found}",
                 path.display()
             )));
         }

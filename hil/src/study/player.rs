@@ -6,7 +6,6 @@ use palpate_core::units::{Duration, Instant};
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
-use palpate_records::verdict::Verdict;
 use palpate_run::{Failure, Input, Keep, build};
 use palpate_study::{Interval, Stimulus};
 
@@ -156,9 +155,7 @@ impl Player {
         let conclusion = &outcome.summary.conclusion;
         let went = match outcome.failure {
             // Whatever else it came to: no trial follows one that passed a limit.
-            _ if conclusion.verdict == Verdict::LimitExceeded => {
-                Went::Failed(Failure::Check(conclusion.line()))
-            }
+            _ if conclusion.verdict.is_harmful() => Went::Failed(Failure::Check(conclusion.line())),
             Some(Failure::Guard(text)) if self.is_stopped() => Went::Latched(off, text),
             Some(failure) => Went::Failed(failure),
             None if self.is_stopped() => Went::Stopped(off),

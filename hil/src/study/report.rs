@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use palpate_records::report::page::{foot, head, table};
+use palpate_records::report::page::{self, foot, head, table};
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{Plot, Svg, dot, escape, line};
 use palpate_study::{
@@ -110,44 +110,60 @@ fn drawing(of: &OneDrawing) -> String {
     figure(svg, SIZE.0, &words)
 }
 
+/// Conditions below one another, each with its people's means and their median.
 fn ratings(rated: &[Rated], scale: &str) -> String {
+    const ROW: f64 = 30.0;
+    const WIDTH: f64 = 340.0;
     let ours: Vec<&Rated> = rated.iter().filter(|r| r.scale == scale).collect();
     let count = ours.len() as f64;
-    let size = ((90.0 * count + 64.0).max(214.0), 250.0);
-    let plot = plot(
-        size,
-        Scale::exact(0.0, count.max(1.0)),
-        Scale::exact(1.0, 6.0).of_counts(true),
-    );
-    let mut svg = Svg::new(size.0, size.1, scale);
-    plot.y_axis(&mut svg, "rating");
+    let names = ours.iter().map(|of| of.condition.chars().count());
+    let left = (7.0 * names.max().unwrap_or(0) as f64 + 16.0).clamp(40.0, 170.0);
+    let plot = Plot {
+        left,
+        top: 10.0,
+        width: WIDTH - left - 12.0,
+        height: ROW * count.max(1.0),
+        x: Scale::exact(0.8, 6.2),
+        y: Scale::exact(0.0, count.max(1.0)),
+    };
+    let bottom = plot.top + plot.height;
+    let mut svg = Svg::new(WIDTH, bottom + 42.0, scale);
+    for rating in 1..=6 {
+        let x = plot.px(f64::from(rating));
+        svg.line((x, plot.top), (x, bottom), "grid");
+        svg.text((x, bottom + 15.0), "tick middle", &rating.to_string());
+    }
+    let middle = (plot.left + plot.width / 2.0, bottom + 33.0);
+    svg.text(middle, "label middle", "rating");
     for (index, of) in ours.iter().enumerate() {
-        let middle = index as f64 + 0.5;
+        let y = plot.top + ROW * (index as f64 + 0.5);
         for (number, value) in of.values.iter().enumerate() {
-            let off = (number % 7) as f64 * 0.04 - 0.12;
-            svg.circle(plot.at((middle + off, *value)), 3.0, "rated");
+            let off = (number % 7) as f64 * 2.0 - 6.0;
+            svg.circle((plot.px(*value), y + off), 3.0, "rated");
         }
         if let Some(median) = &of.median {
-            let (x, y) = plot.at((middle, median.value));
-            let (low, high) = (plot.py(median.low), plot.py(median.high));
-            let (left, right) = (x - 16.0, x + 16.0);
-            let cross = format!("M{left:.1} {y:.1}H{right:.1}M{x:.1} {low:.1}V{high:.1}");
+            let [low, x, high] = [median.low, median.value, median.high].map(|v| plot.px(v));
+            let (top, bottom) = (y - 10.0, y + 10.0);
+            let cross = format!("M{low:.1} {y:.1}H{high:.1}M{x:.1} {top:.1}V{bottom:.1}");
             svg.path(&cross, "interval w1");
         }
-        let below = plot.top + plot.height + 16.0;
-        svg.text((plot.px(middle), below), "tick middle", &of.condition);
+        svg.text((plot.left - 7.0, y + 4.0), "tick end", &of.condition);
     }
     plot.frame(&mut svg);
     let words = format!("{scale}: each person's mean, medians with 95 % intervals");
-    figure(svg, size.0, &words)
+    figure(svg, WIDTH, &words)
 }
 
-/// A table that is moved sideways where the page is narrow: the first column has words, the others figures.
+/// The first column has words, the others figures.
 fn wide(columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let class = |n| if n == 0 { "" } else { "num" };
     let columns: Vec<_> = (0..).map(class).zip(columns.iter().copied()).collect();
-    let rows = table(&columns, rows.map(|cells| (false, cells)));
-    format!("<div class=\"wide\" tabindex=\"0\">{rows}</div>")
+    page::wide(&columns, rows.map(|cells| (false, cells)))
+}
+
+/// A probability, or why there is none to speak of.
+fn certain(nothing: Option<String>, p: f64) -> String {
+    nothing.unwrap_or_else(|| format!("{p:.4}"))
 }
 
 fn comparison(of: &Comparison) -> Vec<String> {
@@ -157,7 +173,7 @@ fn comparison(of: &Comparison) -> Vec<String> {
         format!("{:.2} and {:.2}", of.medians[0], of.medians[1]),
         within(Some(&of.difference), 2, ""),
         format!("{:.1}", of.u),
-        format!("{:.4}", of.p),
+        certain(of.says_nothing(), of.p),
         within(Some(&of.effect), 2, ""),
     ]
 }
@@ -173,7 +189,7 @@ fn over_all(of: &Analysis) -> String {
             .collect();
         let _ = write!(
             out,
-            "<section><h2>Ratings</h2><div class=\"row wide\" tabindex=\"0\">{figures}</div>"
+            "<section><h2>Ratings</h2><div class=\"row\">{figures}</div>"
         );
         if !of.comparisons.is_empty() {
             let columns = [
@@ -226,19 +242,22 @@ fn localisation(of: &Analysis) -> String {
             "<section><h2>Where it was felt</h2><p>Median distance from the wire: {}</p>",
             within(Some(off), 1, " mm")
         );
-        let wires: Vec<String> = (0..of.confusion.len())
-            .map(|w| format!("taken for {w}"))
-            .collect();
-        let head: Vec<&str> = ["wire"]
-            .into_iter()
-            .chain(wires.iter().map(String::as_str))
+        let wires: Vec<String> = (0..of.confusion.len()).map(|w| w.to_string()).collect();
+        let head = [("", "wire")].into_iter();
+        let head: Vec<_> = head
+            .chain(wires.iter().map(|wire| ("num", wire.as_str())))
             .collect();
         let rows = of.confusion.iter().enumerate().map(|(wire, row)| {
             let counts = row.iter().map(u32::to_string);
-            [wire.to_string()].into_iter().chain(counts).collect()
+            let cells = [wire.to_string()].into_iter().chain(counts).collect();
+            (false, cells)
         });
-        out += &wide(&head, rows);
-        out += "</section>";
+        // Single digits have room on a narrow page; those of a large display are listed.
+        out += &match wires.len() {
+            0..=10 => table(&head, rows),
+            _ => page::wide(&head, rows),
+        };
+        out += "<p class=\"sub\">Rows are the wires that were driven, columns those nearest to the answer.</p></section>";
     }
     out
 }
@@ -252,7 +271,7 @@ fn choices(of: &Analysis) -> String {
                 format!("{} over {}", c.pair[1], c.pair[0]),
                 within(c.part.as_ref(), 2, ""),
                 format!("{} to {}", c.people[0], c.people[1]),
-                format!("{:.4}", c.p),
+                certain(c.says_nothing(), c.p),
             ]
         });
         out += &wide(

@@ -4,10 +4,17 @@ use std::fmt::Write;
 
 use palpate_core::statistics::mean;
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{self, Plot, Svg, dot, line_key};
+use palpate_records::report::svg::{self, Plot, Svg, dot, escape, line_key};
+use palpate_records::runs::short;
 
 /// Most lines that can be told apart; the style sheet has as many colours.
 pub const LINES: usize = 8;
+
+/// Most values that a chart has for the pointer: of more the drawing is enough.
+const TOLD: usize = 4_000;
+
+/// Words and their unit.
+type Named<'a> = (&'a str, &'a str);
 
 /// Values at one place of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,13 +76,69 @@ pub fn with_unit(words: &str, unit: &str) -> String {
     }
 }
 
+/// Ends of an axis of figures in a unit. It spans a tenth of the largest at least, and what can be told of such a figure:
+/// closer up, noise would look like an effect. What is never negative has no axis that is.
+fn wide_enough(ends: Option<(f64, f64)>, unit: &str) -> (f64, f64) {
+    let (low, high) = ends.unwrap_or((0.0, 1.0));
+    let told: f64 = match unit {
+        "dB" | "\u{b0}C" => 1.0,
+        "mm" => 0.1,
+        "%" => 5.0,
+        _ => 0.0,
+    };
+    let least = told.max(0.1 * low.abs().max(high.abs()));
+    let lacks = (least - (high - low)).max(0.0) / 2.0;
+    let (down, up) = (low - lacks, high + lacks);
+    match low >= 0.0 && down < 0.0 {
+        true => (0.0, up - down),
+        false => (down, up),
+    }
+}
+
+/// What each line has at each place, for the script of the page (`values.js`): the pixel, the place, and of each line its
+/// colour and words.
+fn values(lines: &[Line], plot: &Plot, (x, x_unit): Named<'_>, y_unit: &str) -> String {
+    let spots = || lines.iter().flat_map(|line| &line.spots);
+    if spots().count() > TOLD {
+        return String::new();
+    }
+    let mut places: Vec<f64> = spots().map(|spot| spot.x).collect();
+    places.sort_unstable_by(f64::total_cmp);
+    places.dedup();
+    let with = |value: f64, unit: &str| format!("{} {unit}", short(value)).trim_end().to_owned();
+    let told = |x: f64| {
+        let here = lines.iter().enumerate().filter_map(|(n, line)| {
+            let spot = line
+                .spots
+                .iter()
+                .find(|spot| spot.x.total_cmp(&x).is_eq())?;
+            let mut words = with(spot.mean, y_unit);
+            if spot.low < spot.high {
+                let _ = write!(words, " ({} to {})", short(spot.low), short(spot.high));
+            }
+            if !line.name.is_empty() {
+                words = format!("{}: {words}", line.name);
+            }
+            Some((n % LINES, words))
+        });
+        here.collect::<Vec<_>>()
+    };
+    let all = places.iter().map(|at| {
+        let place = format!("{x} {}", with(*at, x_unit));
+        (plot.px(*at).round(), place, told(*at))
+    });
+    let all: Vec<_> = all.collect();
+    let text = serde_json::to_string(&all).unwrap_or_default();
+    format!(" data-v=\"{}\" tabindex=\"0\"", escape(&text))
+}
+
 /// The lines over x. Where every place has one value there is no spread to show.
-pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
+pub fn chart(lines: &[Line], x_named: Named<'_>, y_named: Named<'_>) -> String {
     let spots = || lines.iter().flat_map(|line| &line.spots);
     let x = || spots().map(|s| s.x);
     let y = || spots().flat_map(|s| [s.low, s.high]);
     let counts = [x().all(is_whole), y().all(is_whole)];
-    let (x, y) = (around(ends(x())), around(ends(y())));
+    let (x, y) = (around(ends(x())), wide_enough(ends(y()), y_named.1));
     let plot = Plot {
         left: 58.0,
         top: 30.0,
@@ -85,9 +148,13 @@ pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
         x: Scale::exact(x.0 - (x.1 - x.0) * 0.04, x.1 + (x.1 - x.0) * 0.04).of_counts(counts[0]),
         y: Scale::round(y.0, y.1).of_counts(counts[1]),
     };
+    let (x_label, y_label) = (
+        with_unit(x_named.0, x_named.1),
+        with_unit(y_named.0, y_named.1),
+    );
     let mut svg = Svg::new(460.0, 246.0, &format!("{y_label} against {x_label}"));
-    plot.x_axis(&mut svg, x_label);
-    plot.y_axis(&mut svg, y_label);
+    plot.x_axis(&mut svg, &x_label);
+    plot.y_axis(&mut svg, &y_label);
     for (n, line) in lines.iter().enumerate() {
         let (mut mean, mut spread, mut dots) = (String::new(), String::new(), String::new());
         for spot in &line.spots {
@@ -109,7 +176,11 @@ pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
         svg.path(&dots, &format!("dots big w{colour}"));
     }
     plot.frame(&mut svg);
-    svg.finish()
+    let values = values(lines, &plot, x_named, y_named.1);
+    format!(
+        "<figure class=\"chart\"{values}>{}</figure>\n",
+        svg.finish()
+    )
 }
 
 /// The names of lines beside their colours; nothing for one alone without a name.
@@ -123,3 +194,7 @@ pub fn legend(lines: &[Line]) -> String {
     }
     format!("<div class=\"legend\">{keys}</div>")
 }
+
+#[cfg(test)]
+#[path = "chart_tests.rs"]
+mod tests;

@@ -8,7 +8,7 @@ use palpate_records::report::svg::escape;
 use palpate_records::runs::{MEASURED, RunRow, number};
 use palpate_records::verdict::Conclusion;
 
-use super::chart::{LINES, Line, Spot, chart, ends, legend, with_unit};
+use super::chart::{LINES, Line, Spot, chart, ends, legend};
 
 /// The begin of a page: heading and verdict.
 pub fn head(title: &str, conclusion: &Conclusion) -> String {
@@ -20,11 +20,14 @@ pub fn head(title: &str, conclusion: &Conclusion) -> String {
     )
 }
 
+/// What shows the values of charts under the pointer.
+const SCRIPT: &str = include_str!("values.js");
+
 /// The end of a page.
 pub fn foot() -> String {
     page::foot(
         ". Every value here comes from emulated hardware and a model of the skin.",
-        "",
+        &format!("<script>\n{SCRIPT}</script>\n"),
     )
 }
 
@@ -178,12 +181,8 @@ fn section(out: &mut String, key: &str, rows: &[&RunRow]) {
             continue;
         }
         let lines = lines(rows, key, measured.key);
-        let x = with_unit(key, unit(key));
-        out.push_str(&chart(
-            &lines,
-            &x,
-            &with_unit(measured.words, measured.unit),
-        ));
+        let y = (measured.words, measured.unit);
+        out.push_str(&chart(&lines, (key, unit(key)), y));
         names = legend(&lines);
     }
     let _ = writeln!(out, "</div>{names}</section>");

@@ -1,7 +1,7 @@
 //! Tests of `capability.rs`.
 
 use super::*;
-use palpate_files::{Real, Setup};
+use palpate_files::{Real, Setup, load_scene};
 
 fn named(scene: &str, touch: bool) -> Vec<String> {
     let setup = Setup::load(scene, "emulated").unwrap();
@@ -16,7 +16,8 @@ fn named(scene: &str, touch: bool) -> Vec<String> {
 #[test]
 fn an_emulated_bench_lacks_nothing_but_a_display() {
     for scene in palpate_fixtures::scene_names() {
-        let setup = Setup::load(scene, "emulated").unwrap();
+        let own = load_scene(scene).unwrap().value.own_bench().to_owned();
+        let setup = Setup::load(scene, &own).unwrap();
         let bench = &setup.bench.value;
         let (scene, sensor) = (&setup.scene.value, &setup.sensor.value);
         assert_eq!(lacks(scene, sensor, bench), Vec::<String>::new());

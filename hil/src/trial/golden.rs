@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use palpate_files::read_text;
+use palpate_files::{entries, headed, read_text};
 use palpate_records::diff::{Tolerance, compare};
 use palpate_records::story::Story;
 use palpate_records::trace::Trace;
@@ -14,9 +14,14 @@ use palpate_run::{Failure, damaged};
 use palpate_live::output::{make_folder, write_file};
 
 /// Largest golden, bytes: hundreds of times what one has.
-const LARGEST: u64 = 32 << 20;
+pub(super) const LARGEST: u64 = 32 << 20;
 /// Differences told of one golden.
 const TOLD: usize = 3;
+
+/// Kinds of golden that a scene has.
+pub(super) const KINDS: [&str; 2] = ["schedule", "contacts"];
+/// The heading's line of a golden that `hil test` wrote: others are another program's business.
+pub(super) const SOURCE: &str = "source: hil test";
 
 /// The goldens of one scene on one bench.
 #[derive(Clone, Debug)]
@@ -25,8 +30,20 @@ pub struct Goldens {
     stem: String,
 }
 
+/// What goldens had to do with a trial.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Held {
+    /// Kinds that the run was held against.
+    pub kinds: Vec<&'static str>,
+    /// Files that were accepted.
+    pub wrote: Vec<PathBuf>,
+    /// The folder where changed ones wait, if any does.
+    pub waits: Option<PathBuf>,
+}
+
 /// A golden of a kind: its file, and what the run would have in it.
 struct Kept {
+    kind: &'static str,
     path: PathBuf,
     story: Story,
 }
@@ -45,38 +62,73 @@ impl Goldens {
         }
     }
 
-    /// Whether any is kept.
-    pub fn exist(&self) -> bool {
-        let kept = |kind| {
-            self.folder
-                .join(format!("{}.{kind}.snap", self.stem))
-                .is_file()
-        };
-        ["schedule", "contacts"].into_iter().any(kept)
+    /// The folder that they lie in.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What their names begin with: the scene's file, and the bench if it is not the one that ships.
+    pub fn stem(&self) -> &str {
+        &self.stem
+    }
+
+    fn path(&self, kind: &str) -> PathBuf {
+        self.folder.join(format!("{}.{kind}.snap", self.stem))
+    }
+
+    /// The kinds that are kept.
+    pub fn kinds(&self) -> Vec<&'static str> {
+        let kept = |kind: &&str| self.path(kind).exists();
+        KINDS.into_iter().filter(kept).collect()
+    }
+
+    /// Goldens of the same scene on other benches, of which none holds this trial.
+    pub fn of_others(&self) -> Vec<String> {
+        let scene = self.stem.split('@').next().unwrap_or(&self.stem);
+        let stems = entries(&self.folder).unwrap_or_default();
+        let stems = stems.iter().filter_map(|path| parts(path));
+        let same = |stem: &&str| stem.split('@').next() == Some(scene) && **stem != self.stem;
+        let mut others: Vec<String> = stems
+            .map(|(stem, _)| stem)
+            .filter(same)
+            .map(str::to_owned)
+            .collect();
+        others.dedup();
+        others
     }
 
     fn kept(&self, trace: &Trace) -> [Kept; 2] {
-        let of = |kind: &str, story| Kept {
-            path: self.folder.join(format!("{}.{kind}.snap", self.stem)),
+        let of = |kind, story| Kept {
+            kind,
+            path: self.path(kind),
             story,
         };
+        let [schedule, contacts] = KINDS;
         [
-            of("schedule", Story::schedule(trace)),
-            of("contacts", Story::contacts(trace)),
+            of(schedule, Story::schedule(trace)),
+            of(contacts, Story::contacts(trace)),
         ]
     }
 
-    /// Takes what a run did for good; what waits for a decision is decided by it.
+    /// Takes what a run did for good; what waits for a decision is decided by it. A golden that says the same already stays as
+    /// it is.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn accept(&self, trace: &Trace) -> Result<(), Failure> {
+    pub fn accept(&self, trace: &Trace) -> Result<Held, Failure> {
         make_folder(&self.folder)?;
+        let mut held = Held::default();
         for kept in self.kept(trace) {
-            kept.write(&kept.path)?;
+            let there = read_text(&kept.path, "a golden", LARGEST);
+            if there.is_ok_and(|text| headed(&text).1.trim_end() == kept.text()) {
+                held.kinds.push(kept.kind);
+            } else {
+                kept.write(&kept.path)?;
+                held.wrote.push(kept.path.clone());
+            }
             let _ = fs::remove_file(kept.waiting()); // there may be none
         }
-        Ok(())
+        Ok(held)
     }
 
     /// Holds a run against the goldens that there are. A difference that means something is a failure, and the new
@@ -84,11 +136,13 @@ impl Goldens {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn check(&self, trace: &Trace, wrong: &mut Conclusion) -> Result<(), Failure> {
+    pub fn check(&self, trace: &Trace, wrong: &mut Conclusion) -> Result<Held, Failure> {
+        let mut held = Held::default();
         for kept in self.kept(trace) {
             if !kept.path.exists() {
                 continue; // none is kept of this kind
             }
+            held.kinds.push(kept.kind);
             let text = match read_text(&kept.path, "a golden", LARGEST) {
                 Ok(text) => text,
                 Err(error) => {
@@ -116,6 +170,7 @@ impl Goldens {
                 continue;
             }
             kept.write(&kept.waiting())?;
+            held.waits = Some(self.folder.clone());
             let told = grave
                 .iter()
                 .take(TOLD)
@@ -128,8 +183,15 @@ impl Goldens {
             };
             wrong.add(Verdict::Failed, format!("{path}: {told}{more}"));
         }
-        Ok(())
+        Ok(held)
     }
+}
+
+/// What a golden's name is made of: scene and bench, and its kind; none of a file that is no golden of a scene.
+pub(super) fn parts(path: &Path) -> Option<(&str, &str)> {
+    let name = path.file_name()?.to_str()?.strip_suffix(".snap")?;
+    name.rsplit_once('.')
+        .filter(|(_, kind)| KINDS.contains(kind))
 }
 
 impl Kept {
@@ -138,11 +200,12 @@ impl Kept {
         self.path.with_extension("snap.new")
     }
 
+    fn text(&self) -> String {
+        self.story.text().trim_end().to_owned()
+    }
+
     fn write(&self, path: &Path) -> Result<(), Failure> {
-        let text = format!(
-            "---\nsource: hil test\n---\n{}\n",
-            self.story.text().trim_end()
-        );
+        let text = format!("---\n{SOURCE}\n---\n{}\n", self.text());
         write_file(path, |out| out.write_all(text.as_bytes()))
     }
 }

@@ -7,7 +7,7 @@ use palpate_buses::guardian::{Latch, Sweeper};
 use palpate_buses::hardware::Hardware;
 use palpate_records::trace::event;
 
-use palpate_files::{Bench, Overload, Scene};
+use palpate_files::{Bench, Overload, Scene, unnumbered};
 use palpate_live::real::watch;
 use palpate_run::Outcome;
 
@@ -74,9 +74,9 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
         Ok(mut sweeper) => {
             let found = sweeper.look(PATIENCE);
             let bad = found.iter().filter(|b| b.was_driving() || b.seen.is_err());
-            wrong.extend(bad.map(ToString::to_string));
+            wrong.extend(bad.map(|board| unnumbered(&board.to_string())));
         }
-        Err(error) => wrong.push(error.to_string()),
+        Err(error) => wrong.push(unnumbered(&error.to_string())),
     }
     for can in &outcome.summary.can {
         if can.lost + can.overruns + can.bus_off > 0 {

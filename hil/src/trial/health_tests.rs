@@ -1,14 +1,15 @@
 //! Tests of `health.rs`.
 
 use super::*;
-use palpate_files::Setup;
+use palpate_files::{Setup, load_scene};
 use palpate_records::trace::Event;
 use palpate_run::{Input, run};
 
 #[test]
 fn every_shipped_scene_leaves_a_healthy_bench() {
     for name in palpate_fixtures::scene_names() {
-        let setup = Setup::load(name, "emulated").unwrap();
+        let own = load_scene(name).unwrap().value.own_bench().to_owned();
+        let setup = Setup::load(name, &own).unwrap();
         let outcome = run(&setup, &Input::Scene, 1).unwrap();
         let wrong = after_emulated(&setup.scene.value, &outcome);
         assert_eq!(wrong, Vec::<String>::new(), "{name}");

@@ -28,10 +28,11 @@ pub fn junit(suites: &[(String, Vec<Trial>)]) -> String {
 fn totals(trials: &[&Trial]) -> String {
     let count = |f: fn(&TrialEnd) -> bool| trials.iter().filter(|t| f(&t.end)).count();
     let failures = count(|e| matches!(e, TrialEnd::Failed(_)));
-    let skipped = count(|e| matches!(e, TrialEnd::Skipped(_) | TrialEnd::Quarantined(..)));
+    let errors = count(|e| matches!(e, TrialEnd::Broken(_)));
+    let skipped = count(|e| !e.is_tried() || matches!(e, TrialEnd::Quarantined(..)));
     let seconds: f64 = trials.iter().map(|t| t.took.as_secs_f64()).sum();
     format!(
-        "tests=\"{}\" failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\" time=\"{seconds:.3}\"",
+        "tests=\"{}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\" time=\"{seconds:.3}\"",
         trials.len()
     )
 }
@@ -70,7 +71,7 @@ fn case(out: &mut String, bench: &str, trial: &Trial) {
         let _ = writeln!(out, "<{tag} message=\"{why}\"/>");
     };
     match &trial.end {
-        TrialEnd::Passed => {}
+        TrialEnd::Passed | TrialEnd::Noted(_) => {}
         TrialEnd::Unstable(before) => before.iter().for_each(|w| told("flakyFailure", w)),
         TrialEnd::Failed(wrong) => told("failure", &wrong.why.join("; ")),
         TrialEnd::Quarantined(wrong, reason) => {
@@ -80,10 +81,18 @@ fn case(out: &mut String, bench: &str, trial: &Trial) {
                 &format!("quarantined: {reason}; failed: {wrong}"),
             );
         }
+        TrialEnd::Refused(why) => told("skipped", &format!("refused: {why}")),
         TrialEnd::Skipped(why) => told("skipped", why),
+        TrialEnd::Broken(why) => told("error", why),
     }
-    if let Some(remark) = &trial.remark {
-        let _ = writeln!(out, "<system-out>{}</system-out>", escape(remark));
+    let noted = match &trial.end {
+        TrialEnd::Noted(run) => Some(run.line()),
+        _ => None,
+    };
+    let said: Vec<String> = noted.into_iter().chain(trial.remark.clone()).collect();
+    if !said.is_empty() {
+        let said = escape(&said.join("\n"));
+        let _ = writeln!(out, "<system-out>{said}</system-out>");
     }
     out.push_str("</testcase>\n");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use palpate_files::FileError;
+use palpate_files::{FileError, said};
 use palpate_run::Failure;
 
 use super::{Trial, TrialEnd};
@@ -22,7 +22,7 @@ pub fn remember(folder: &Path, suites: &[(String, Vec<Trial>)]) -> Result<(), Fa
     for (bench, trials) in suites {
         let failed = trials
             .iter()
-            .filter(|t| matches!(t.end, TrialEnd::Failed(_)));
+            .filter(|t| matches!(t.end, TrialEnd::Failed(_) | TrialEnd::Broken(_)));
         failed.for_each(|t| lines += &format!("{}\t{bench}\n", t.scene));
     }
     let file = file(folder);
@@ -38,11 +38,8 @@ pub fn failed(folder: &Path) -> Result<Vec<(String, String)>, Failure> {
     let file = file(folder);
     let text = fs::read_to_string(&file).map_err(|e| {
         let label = file.display().to_string();
-        FileError::whole(
-            label,
-            "what failed last; try the folder without --last-failed first",
-            e.to_string(),
-        )
+        let expected = "what failed last; try the folder without --last-failed first";
+        FileError::whole(label, expected, said(&e))
     })?;
     let lines = text.lines().filter_map(|line| line.split_once('\t'));
     Ok(lines

@@ -1,9 +1,10 @@
 //! What a trial measures: each value with its unit and, where the scene or the limit table has one, its limit.
 
+use palpate_records::model;
 use palpate_records::trace::{Trace, event};
 
 use palpate_files::{Expect, Setup};
-use palpate_run::Outcome;
+use palpate_run::{Onsets, Outcome};
 
 /// What a value is held against.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,6 +116,23 @@ fn contacts_max(trace: &Trace) -> u32 {
     most
 }
 
+/// The share of onsets that were felt, and of touched ones beyond the pad, against what a scene expects of them.
+fn shares(expect: &Expect, onsets: &Onsets, is_real: bool) -> [Measure; 2] {
+    let share = |part: u64, whole: u64| (whole > 0).then(|| 100.0 * part as f64 / whole as f64);
+    let felt = onsets.felt.and_then(|felt| share(felt, onsets.meant));
+    let mut felt = Measure::new("share of onsets felt", felt, "%", None);
+    felt.bound = expect
+        .felt_share_min
+        .map(|least| Bound::AtLeast(100.0 * least));
+    felt.lacking = felt.bound.filter(|_| is_real).map(|_| "an emulated person");
+    let off = share(onsets.off_pad, onsets.touched);
+    let most = expect.off_pad_share_max.map(|most| 100.0 * most);
+    [
+        felt,
+        Measure::new("share of touches off the pad", off, "%", most),
+    ]
+}
+
 /// Everything a finished run measured, what the scene expects first.
 pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
     let expect = &setup.scene.value.expect;
@@ -142,6 +160,7 @@ pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
             measure.lacking = measure.bound.map(|_| "a known path");
         }
     }
+    all.extend(shares(expect, &summary.onsets, is_real));
     // What is neither expected nor measured says nothing.
     all.retain(|m| m.bound.is_some() || m.value.is_some());
     let count = |n: u32| Some(f64::from(n));
@@ -171,10 +190,12 @@ pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
         let (of, worst) = (margin.of, margin.worst());
         all.push(Measure::new(of.name(), Some(worst), of.unit(), limit));
     }
+    let wire_c = summary.hottest_wire_c;
+    let wire_c = wire_c.and_then(|c| model::known(c, model::WIRE_C));
     all.extend(
         [
             ("energy", summary.energy_mj, "mJ"),
-            ("hottest wire", summary.hottest_wire_c, "C"),
+            ("hottest wire", wire_c, "C"),
             ("stimuli", Some(summary.stimuli as f64), ""),
         ]
         .into_iter()

@@ -9,6 +9,7 @@ pub mod last;
 mod measure;
 mod page;
 mod suite;
+mod unclaimed;
 
 use std::fmt;
 use std::time::Duration;
@@ -21,26 +22,33 @@ use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::{Failure, Input, Keep, Outcome, stopped_by};
 
 pub use capability::lacks;
-pub use golden::Goldens;
+pub use golden::{Goldens, Held};
 use health::{after_emulated, after_real};
 pub use junit::junit;
 pub use measure::{Bound, Measure, expects_anything, measures};
 pub use page::page;
 pub use suite::{Member, Suite};
+pub use unclaimed::unclaimed;
 
 /// How a trial ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TrialEnd {
     /// Everything as expected, at once.
     Passed,
+    /// As expected, of a run whose verdict is none that fails: what a person felt of it, or where it lay.
+    Noted(Conclusion),
     /// As expected only after the tries that are listed.
     Unstable(Vec<String>),
     /// Not as expected, or the run failed; how gravely, and why.
     Failed(Conclusion),
     /// Failed, but known to: why it failed, and the reason in the quarantine file.
     Quarantined(Conclusion, String),
+    /// Not run: what the scene wants and the bench lacks.
+    Refused(String),
     /// Not run, and why.
     Skipped(String),
+    /// Not run because its files are wrong: what is wrong with them.
+    Broken(String),
 }
 
 impl TrialEnd {
@@ -49,6 +57,7 @@ impl TrialEnd {
         match self {
             Self::Unstable(_) => "UNSTABLE",
             Self::Quarantined(..) => "QUARANTINED",
+            Self::Refused(_) => "REFUSED",
             Self::Skipped(_) => "SKIPPED",
             _ => self.verdict().word(),
         }
@@ -59,6 +68,7 @@ impl TrialEnd {
         match self {
             Self::Unstable(_) => "unstable",
             Self::Quarantined(..) => "quarantined",
+            Self::Refused(_) => "refused",
             Self::Skipped(_) => "skipped",
             _ => self.verdict().key(),
         }
@@ -67,9 +77,27 @@ impl TrialEnd {
     /// What it counts as among others.
     pub const fn verdict(&self) -> Verdict {
         match self {
-            Self::Failed(conclusion) => conclusion.verdict,
+            Self::Failed(conclusion) | Self::Noted(conclusion) => conclusion.verdict,
+            Self::Broken(_) => Verdict::Failed,
             _ => Verdict::Ok,
         }
+    }
+
+    /// Why it ended so, a line each.
+    pub fn why(&self) -> &[String] {
+        match self {
+            Self::Passed => &[],
+            Self::Refused(why) | Self::Skipped(why) | Self::Broken(why) => {
+                std::slice::from_ref(why)
+            }
+            Self::Unstable(before) => before,
+            Self::Failed(of) | Self::Noted(of) | Self::Quarantined(of, _) => &of.why,
+        }
+    }
+
+    /// Whether it was tried at all.
+    pub const fn is_tried(&self) -> bool {
+        !matches!(self, Self::Refused(_) | Self::Skipped(_))
     }
 }
 
@@ -86,6 +114,8 @@ pub struct Trial {
     pub took: Duration,
     /// A line beside the verdict: what the operator should know.
     pub remark: Option<String>,
+    /// What goldens had to do with it.
+    pub goldens: Held,
 }
 
 impl Trial {
@@ -93,25 +123,33 @@ impl Trial {
     pub fn of(scene: &str, tried: Try, took: Duration) -> Self {
         Self {
             scene: scene.to_owned(),
-            end: match tried.wrong.verdict {
-                Verdict::Ok => TrialEnd::Passed,
+            end: match (tried.wrong.verdict, tried.noted.verdict) {
+                (Verdict::Ok, Verdict::Ok) => TrialEnd::Passed,
+                (Verdict::Ok, _) => TrialEnd::Noted(tried.noted),
                 _ => TrialEnd::Failed(tried.wrong),
             },
             measures: tried.measures,
             took,
             remark: None,
+            goldens: Held::default(),
         }
     }
 
-    /// One that was not run.
-    pub fn skipped(scene: &str, why: String) -> Self {
+    /// One that was not run, by what ended it.
+    pub fn untried(scene: &str, end: TrialEnd) -> Self {
         Self {
             scene: scene.to_owned(),
-            end: TrialEnd::Skipped(why),
+            end,
             measures: Vec::new(),
             took: Duration::ZERO,
             remark: None,
+            goldens: Held::default(),
         }
+    }
+
+    /// One whose files are wrong.
+    pub fn broken(scene: &str, why: String) -> Self {
+        Self::untried(scene, TrialEnd::Broken(why))
     }
 }
 
@@ -122,6 +160,8 @@ pub struct Try {
     pub measures: Vec<Measure>,
     /// Why it failed, and how gravely; [`Verdict::Ok`] where it passed.
     pub wrong: Conclusion,
+    /// The run's own verdict where it is none that fails; [`Verdict::Ok`] where there is nothing to note.
+    pub noted: Conclusion,
     /// Why no further trial can be run.
     pub halt: Option<Halt>,
 }
@@ -164,7 +204,8 @@ pub fn decide(
         }
         let halt = tried.halt.clone();
         let mut trial = Trial::of(scene, tried, started.elapsed());
-        if trial.end == TrialEnd::Passed && !before.is_empty() {
+        let passed = matches!(trial.end, TrialEnd::Passed | TrialEnd::Noted(_));
+        if passed && !before.is_empty() {
             trial.end = TrialEnd::Unstable(before);
         }
         return (trial, halt);
@@ -222,9 +263,9 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     }
     // What the run itself came to, but for the limits that a scene expects to be passed in an emulator.
     let found = &outcome.summary.conclusion;
-    let over = found.verdict == Verdict::LimitExceeded;
+    let over = found.verdict.is_harmful();
     let expected = setup.scene.value.expect.over_limit && over && !is_real;
-    if found.verdict != Verdict::Ok && !expected {
+    if !found.verdict.is_done() && !expected {
         let mut why = found.why.iter();
         why.next()
             .into_iter()
@@ -238,9 +279,11 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     for why in health {
         wrong.add(Verdict::Failed, format!("bench: {why}"));
     }
+    let is_noted = found.verdict.is_done() && found.verdict != Verdict::Ok;
     Try {
         measures,
         wrong,
+        noted: is_noted.then(|| found.clone()).unwrap_or_default(),
         halt: unwell.or(stopped),
     }
 }

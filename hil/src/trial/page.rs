@@ -6,7 +6,7 @@ use palpate_records::report::page::{self, foot, head, table};
 use palpate_records::report::svg::escape;
 use palpate_records::verdict::Verdict;
 
-use super::{Measure, Trial, TrialEnd};
+use super::{Measure, Trial};
 
 /// The page of all trials, by bench. `counts` says how many there were.
 pub fn page(verdict: Verdict, counts: &str, suites: &[(String, Vec<Trial>)]) -> String {
@@ -34,13 +34,7 @@ fn line(out: &mut String, trial: &Trial) {
         escape(&trial.scene),
         trial.took.as_secs_f64()
     );
-    let why: &[String] = match &trial.end {
-        TrialEnd::Passed => &[],
-        TrialEnd::Skipped(why) => std::slice::from_ref(why),
-        TrialEnd::Unstable(before) => before,
-        TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
-    };
-    for text in why.iter().chain(&trial.remark) {
+    for text in trial.end.why().iter().chain(&trial.remark) {
         let _ = write!(out, "<p class=\"sub\">{}</p>", escape(text));
     }
     if !trial.measures.is_empty() {

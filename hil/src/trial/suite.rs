@@ -12,6 +12,8 @@ use palpate_run::Failure;
 const SKIPPED: [&str; 2] = ["target", "node_modules"];
 /// How deep folders are searched.
 const DEPTH: usize = 8;
+/// What a folder of goldens is called.
+const GOLDENS: &str = "goldens";
 /// What a folder's own quarantine is called.
 const QUARANTINE: &str = "quarantine.toml";
 
@@ -29,8 +31,16 @@ pub struct Member {
 pub struct Suite {
     /// The scenes, in the order of names and paths.
     pub members: Vec<Member>,
+    /// Every scene file in the folders, with those that are left out or cannot be read.
+    pub scenes: Vec<PathBuf>,
     /// Bench files in the folders.
     pub benches: Vec<PathBuf>,
+    /// Folders of goldens in the folders.
+    pub goldens: Vec<PathBuf>,
+    /// Files in the folders that cannot be read, and why.
+    pub broken: Vec<(PathBuf, String)>,
+    /// Whether only folders are tried, and everything in them.
+    pub whole: bool,
     /// The first folder named, where what failed is remembered.
     pub folder: Option<PathBuf>,
     /// A quarantine in that folder.
@@ -42,9 +52,12 @@ impl Suite {
     /// contains `filter` stay.
     ///
     /// # Errors
-    /// A name that is neither, a file that cannot be read, and TOML in a folder that is of no kind.
+    /// A name that is neither, a path where nothing is, and a named file that cannot be read.
     pub fn collect(targets: &[String], filter: Option<&str>) -> Result<Self, Failure> {
-        let mut suite = Self::default();
+        let mut suite = Self {
+            whole: filter.is_none() && targets.iter().all(|t| Path::new(t).is_dir()),
+            ..Self::default()
+        };
         if targets.is_empty() {
             suite.built_in("")?;
         }
@@ -57,8 +70,11 @@ impl Suite {
                     suite.folder = Some(path.to_path_buf());
                     suite.quarantine = quarantine.is_file().then_some(quarantine);
                 }
-            } else if target.ends_with(".toml") || path.is_file() {
+            } else if path.is_file() {
                 suite.file(path)?;
+            } else if target.ends_with(".toml") || target.contains('/') {
+                let expected = "a scene file or a folder with scenes";
+                return Err(FileError::whole(target, expected, "no such file or folder").into());
             } else if target.trim().is_empty() {
                 let text = "\"\": expected part of a scene's name, a scene file or a folder, found nothing";
                 return Err(Failure::Input(text.into()));
@@ -95,8 +111,7 @@ impl Suite {
         let all: Vec<&str> = palpate_fixtures::scene_names().collect();
         let meant = did_you_mean(part, all.iter().copied());
         Err(Failure::Input(format!(
-            "{part}: expected part of a scene's name ({}), a scene file or a folder, found none{meant}",
-            all.join(", ")
+            "{part}: expected part of a scene's name (`hil list scenes` has them), a scene file or a folder, found none{meant}"
         )))
     }
 
@@ -106,6 +121,10 @@ impl Suite {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
             let name = name.unwrap_or_default();
             if name.starts_with('.') || SKIPPED.contains(&name.as_str()) || name == QUARANTINE {
+                continue;
+            }
+            if path.is_dir() && name == GOLDENS {
+                self.goldens.push(path);
                 continue;
             }
             if path.is_dir() {
@@ -118,10 +137,19 @@ impl Suite {
             if !name.ends_with(".toml") {
                 continue;
             }
-            match kind_of(&Source::open(&path)?)? {
-                FileKind::Scene => self.file(&path)?,
-                FileKind::Bench => self.benches.push(path),
-                _ => {}
+            match Source::open(&path).and_then(|source| kind_of(&source)) {
+                Ok(FileKind::Scene) => {
+                    let read = self.file(&path);
+                    self.scenes.push(path.clone());
+                    read.unwrap_or_else(|error| self.broken.push((path, error.to_string())));
+                }
+                Ok(FileKind::Bench) => self.benches.push(path),
+                Ok(_) => {}
+                // It may be a scene: its goldens are not without one.
+                Err(error) => {
+                    self.scenes.push(path.clone());
+                    self.broken.push((path, error.to_string()));
+                }
             }
         }
         Ok(())

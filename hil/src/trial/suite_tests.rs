@@ -36,7 +36,18 @@ fn a_folder_gives_its_scenes_and_benches_in_order_and_skips_what_is_none() {
     let some = Suite::collect(std::slice::from_ref(&target), Some("circle")).unwrap();
     assert_eq!(some.members.len(), 1);
     write("c.toml", "lenght = \n");
-    let error = Suite::collect(&[target], None).unwrap_err().to_string();
-    assert!(error.contains("c.toml"), "{error}");
+    fs::create_dir_all(folder.join("goldens")).unwrap();
+    let suite = Suite::collect(&[target], None).unwrap();
+    assert_eq!(suite.members.len(), 2, "one that is wrong stops no other");
+    let [(path, why)] = suite.broken.as_slice() else {
+        panic!("{:?}", suite.broken)
+    };
+    assert!(path.ends_with("c.toml") && why.contains("c.toml"), "{why}");
+    assert_eq!(suite.goldens, [folder.join("goldens")]);
+    assert_eq!(suite.scenes.len(), 3);
+    assert!(suite.whole);
+    let gone = Suite::collect(&["no/such/folder".to_owned()], None);
+    let gone = gone.unwrap_err().to_string();
+    assert!(gone.contains("no such file or folder"), "{gone}");
     fs::remove_dir_all(&folder).unwrap();
 }

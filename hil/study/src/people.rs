@@ -48,11 +48,12 @@ pub(crate) fn drawn(normal: Normal, random: &mut RandomStream) -> f64 {
 }
 
 impl Person {
-    /// The participant of a number.
+    /// The participant of a number: one in each study, so that those of two protocols are different people.
     #[must_use]
     pub fn new(protocol: &Protocol, number: u32, seed: u64) -> Self {
         let stream = |task: TaskKind| {
-            let name = format!("simulated participant {number}, {}", task.name());
+            let (study, task) = (&protocol.name, task.name());
+            let name = format!("simulated participant {number} of {study}, {task}");
             RandomStream::new(seed, &name)
         };
         let mut person = Self {
@@ -136,7 +137,8 @@ impl Person {
     }
 
     fn answer(&self, protocol: &Protocol, trial: &Trial, known: &Known) -> Answer {
-        let name = format!("answer of {} to {}", self.number, trial.number);
+        let (number, study) = (self.number, &protocol.name);
+        let name = format!("answer of {number} of {study} to {}", trial.number);
         let random = &mut RandomStream::new(self.seed, &name);
         match &trial.ask {
             Ask::Interval(_) | Ask::Which(_) => self.interval(protocol, trial, random),

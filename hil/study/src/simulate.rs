@@ -10,15 +10,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::analyse::{compare_paths, sign_test};
-use crate::compare::test;
+use crate::compare::{LEVEL, test};
 use crate::people::{Known, Person, drawn};
 use crate::quest::Estimate;
 use crate::session::{Answer, Reply, Session, Step, Stimulus};
 
 /// Studies of which the share that finds a difference is counted.
 const STUDIES: u64 = 1000;
-/// A study finds a difference where p is below this.
-const LEVEL: f64 = 0.05;
 /// The share of studies that shall find a difference that is there.
 const POWER: f64 = 0.8;
 /// Most people that are tried for it.

@@ -69,7 +69,7 @@ const READERS: [(&str, &str); 39] = [
     ("layout.toml", "new scene mine --force --layout {}"),
     ("wire.toml", "new bench weak --force --wire {}"),
     ("limits.toml", "run scene.toml --set bench.limits={}"),
-    ("model.safetensors", "texture export {} made.onnx"),
+    ("model.safetensors", "texture export {} --out made.onnx"),
     ("quarantine.toml", "test scene.toml --quarantine {}"),
     ("trace.csv", "identify {}"),
     ("bench.toml", "identify trace.csv --bench {}"),
@@ -84,7 +84,7 @@ const READERS: [(&str, &str); 39] = [
     ("wire.toml", "design --seconds=3 --pulses=2 --wire {}"),
     ("alloy.toml", "design --seconds=3 --pulses=2 --alloy {}"),
     ("person.toml", "design --seconds=3 --pulses=2 --person {}"),
-    ("person.toml", "run scene.toml --felt {}"),
+    ("person.toml", "run scene.toml --person {}"),
     ("scene.toml", "check {}"),
     ("layout.toml", "contacts taxels.csv --layout {}"),
     ("layout.toml", "run --replay taxels.csv --layout {}"),
@@ -93,7 +93,7 @@ const READERS: [(&str, &str); 39] = [
     ("textures.toml", "texture map --strokes 1 --textures {}"),
     (
         "textures.toml",
-        "texture strokes strokes --strokes 1 --textures {}",
+        "texture strokes --out strokes --strokes 1 --textures {}",
     ),
 ];
 

@@ -28,7 +28,7 @@ const COMMANDS: [(&[&str], Options); 25] = [
             ("--seed", Takes::Number),
             ("--bench", Takes::Named),
             ("--illusion", Takes::Named),
-            ("--felt", Takes::Named),
+            ("--person", Takes::Named),
             ("--set", Takes::Named),
             ("--intensity", Takes::Word),
             ("--observe", Takes::Nothing),
@@ -204,7 +204,7 @@ const COMMANDS: [(&[&str], Options); 25] = [
     ),
     (&["review"], &[("--goldens", Takes::Named)]),
     (
-        &["texture", "strokes", "strokes"],
+        &["texture", "strokes", "--out", "strokes"],
         &[
             ("--strokes", Takes::Number),
             ("--seed", Takes::Number),
@@ -282,10 +282,7 @@ const CALLS: [(&[&str], &str); 37] = [
         ],
         "a.log",
     ),
-    (
-        &["run", "scene.toml", "--report", "scene.toml"],
-        "scene.toml",
-    ),
+    (&["run", "scene.toml", "--html", "scene.toml"], "scene.toml"),
     (
         &["run", "--replay", "taxels.csv", "--record", "taxels.csv"],
         "taxels.csv",
@@ -317,7 +314,7 @@ const CALLS: [(&[&str], &str); 37] = [
     (&["compare", "summary.json"], "summary.json"),
     (&["compare", "summary.json", "sweep.csv"], "sweep.csv"),
     (&["compare", "folder"], "folder"),
-    (&["design", "--csv", "taxels.csv"], "taxels.csv"),
+    (&["design", "--out", "taxels.csv"], "taxels.csv"),
     (&["design", "--html", "scene.toml"], "scene.toml"),
     (&["emulate", "--bench", "no-such"], "no-such"),
 ];

@@ -23,7 +23,7 @@ const WRITING: [&[&str]; 15] = [
     &["run", "scene.toml", "--quiet", "--record", "{}.csv"],
     &["run", "scene.toml", "--quiet", "--record", "{}.mcap"],
     &["run", "scene.toml", "--quiet", "--schedule", "{}.jsonl"],
-    &["run", "scene.toml", "--quiet", "--report", "{}.html"],
+    &["run", "scene.toml", "--quiet", "--html", "{}.html"],
     &["run", "scene.toml", "--quiet", "--junit", "{}.xml"],
     &["run", "scene.toml", "--quiet", "--out", "{}"],
     &[
@@ -36,7 +36,7 @@ const WRITING: [&[&str]; 15] = [
     ],
     &["export", "taxels", "scene.toml", "--out", "{}.csv"],
     &["new", "wire", "thin", "--out", "{}.toml"],
-    &["export", "views", "{}"],
+    &["export", "views", "--out", "{}"],
     &["sweep", "scene.toml", "--out", "{}.csv"],
     &[
         "design",
@@ -44,7 +44,7 @@ const WRITING: [&[&str]; 15] = [
         "3",
         "--pulses",
         "2",
-        "--csv",
+        "--out",
         "{}.csv",
     ],
     &[
@@ -56,7 +56,7 @@ const WRITING: [&[&str]; 15] = [
         "--html",
         "{}.html",
     ],
-    &["texture", "strokes", "{}", "--strokes", "1"],
+    &["texture", "strokes", "--out", "{}", "--strokes", "1"],
     &[
         "run",
         "--replay",

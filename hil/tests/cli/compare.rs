@@ -34,9 +34,30 @@ fn two_summaries_differ_figure_by_figure() {
         "{}",
         other.out
     );
+    for part in [
+        "felt level over threshold dB",
+        " dB\n",
+        " values differ; --long lists them",
+    ] {
+        assert!(other.out.contains(part), "{part}: {}", other.out);
+    }
+    let decibels = |out: &str| {
+        let lines = out.lines().skip(1).filter(|line| line.contains(" dB"));
+        lines.filter(|line| line.contains('%')).count()
+    };
+    assert_eq!(decibels(&other.out), 0, "{}", other.out);
+    assert!(other.out.lines().count() <= 20, "{}", other.out);
+    let long = hil_in(&folder.0, &["compare", "a.json", "b.json", "--long"]);
+    assert!(
+        long.out
+            .contains("felt.band.corners[taut 2.4 dull].level_db"),
+        "{}",
+        long.out
+    );
     let json = hil_in(&folder.0, &["compare", "a.json", "b.json", "--json"]);
     let json: Value = serde_json::from_str(&json.out).unwrap();
     assert_eq!(json["verdict"], "failed");
+    assert_eq!(json["named"][0]["key"], "felt_level_db");
     let figures: Vec<&str> = json["differences"]
         .as_array()
         .unwrap()
@@ -158,4 +179,57 @@ fn a_folder_of_summaries_gives_trends() {
     fs::remove_file(folder.path("new.json")).unwrap();
     let said = hil(&["compare", &place]);
     assert_eq!(said.status, Some(0), "{}", said.out);
+}
+
+#[test]
+fn folders_of_a_run_stand_for_what_is_in_them() {
+    let folder = Folder::new("compare-folders");
+    let run = |out: &str, more: &[&str]| {
+        let args = [&["run", "sphere-along", "--quiet", "-o", out], more].concat();
+        assert_eq!(hil_in(&folder.0, &args).status, Some(0));
+    };
+    run("monday", &[]);
+    run("tuesday", &["-s", "illusion.soa_ms=120"]);
+    run("again", &[]);
+    let same = hil_in(&folder.0, &["compare", "monday", "again"]);
+    assert_eq!(same.status, Some(0), "{}{}", same.out, same.err);
+    let page = folder.path("c.html");
+    let other = hil_in(
+        &folder.0,
+        &["compare", "monday", "tuesday", "--html", "c.html"],
+    );
+    assert_eq!(other.status, Some(1), "{}", other.err);
+    let page = fs::read_to_string(page).unwrap();
+    for part in ["felt level over threshold [dB]", "tuesday", "stimuli"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let same = hil_in(&folder.0, &["diff", "monday", "again"]);
+    assert_eq!(
+        (same.status, &*same.out),
+        (
+            Some(0),
+            "OK: sphere-along: no difference\nOK: contacts: no difference\n"
+        ),
+        "{}",
+        same.err
+    );
+    let other = hil_in(&folder.0, &["diff", "monday", "tuesday"]);
+    assert_eq!(other.status, Some(1), "{}", other.err);
+    assert!(
+        other.out.starts_with("FAILED: sphere-along: ") && other.out.contains("\nOK: contacts"),
+        "{}",
+        other.out
+    );
+    let one = hil_in(&folder.0, &["diff", "monday", "again/contacts.csv"]);
+    assert_eq!(&*one.out, "OK: contacts: no difference\n", "{}", one.err);
+    let json = hil_in(&folder.0, &["diff", "monday", "tuesday", "--json"]);
+    let json: Value = serde_json::from_str(&json.out).unwrap();
+    assert!(json.as_array().is_some_and(|all| !all.is_empty()), "{json}");
+    // A summary has no digit that a binary fraction left behind.
+    let summary = folder.text("monday/summary.json");
+    let long = |word: &&str| word.trim_end_matches([',', '}']).len() > 15;
+    let numbers = summary
+        .split_whitespace()
+        .filter(|w| w.contains('.') && !w.contains('"'));
+    assert_eq!(numbers.filter(long).collect::<Vec<_>>(), Vec::<&str>::new());
 }

@@ -67,8 +67,9 @@ fn a_level_that_heat_does_not_sustain_comes_with_the_one_that_it_does() {
     // The arithmetic is what a minute comes to.
     assert!((median(&summary) - resting).abs() < 1.0, "{summary}");
     assert!(asked["weaker"].as_u64().unwrap() > 400, "{asked}");
-    let said = good(&[&["run"], &smooth[..]].concat());
-    assert!(said.starts_with("OK: illusion.level_db = 6: "), "{said}");
+    let said = good(&[&["run", "--long"], &smooth[..]].concat());
+    let last = said.lines().last().unwrap();
+    assert!(last.starts_with("OK: illusion.level_db = 6: "), "{said}");
     assert!(
         said.contains("  asked           +6.0 dB over threshold, heat left less to "),
         "{said}"
@@ -143,7 +144,14 @@ fn who_feels_nothing_at_the_limits_is_told_so() {
         refused_with(&["run", "sphere-along", "--set", &named], &words);
     }
     // The renderer is not told of the emulated person: the run is done, and says why nothing came of it.
-    let taut = good(&["run", "sphere-along", "--bench", "thesis", "--felt", "dull"]);
+    let taut = good(&[
+        "run",
+        "sphere-along",
+        "--bench",
+        "thesis",
+        "--person",
+        "dull",
+    ]);
     let head = "OK: person `dull` feels nothing: one wire at the limits is ";
     assert!(taut.starts_with(head), "{taut}");
     let file = "dB below the threshold (fixtures/persons/dull.toml: vibration.threshold_um)\n";

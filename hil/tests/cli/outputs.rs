@@ -74,7 +74,7 @@ fn a_hand_has_a_page_that_leads_to_its_fingers() {
     let path = folder.path("r.html").display().to_string();
     let table = folder.path("c.csv").display().to_string();
     let hand = ["allegro-grasp", "--bench", "allegro-hand", "--quiet"];
-    let written = ["--report", &path, "--record", &table];
+    let written = ["--html", &path, "--record", &table];
     good(&[&["run"], &hand[..], &written].concat());
     let fingers = ["index", "middle", "ring", "thumb"];
     let page = folder.text("r.html");
@@ -103,7 +103,7 @@ fn a_hand_has_a_page_that_leads_to_its_fingers() {
 fn a_report_is_one_page_without_network() {
     let folder = Folder::new("report");
     let path = folder.path("r.html").display().to_string();
-    good(&["run", "--report", &path]);
+    good(&["run", "--html", &path]);
     assert_eq!(folder.names(), ["r.html"]);
     let page = folder.text("r.html");
     assert!(page.contains("<svg"));
@@ -203,15 +203,14 @@ fn bad_input_leaves_nothing_behind() {
 fn a_file_that_cannot_be_written_is_said_and_not_half_there() {
     let folder = Folder::new("unwritable");
     let nowhere = folder.path("no/such/s.jsonl").display().to_string();
-    let file = folder.write("file", "kept").display().to_string();
+    folder.write("file", "kept");
     let below = folder.path("file/s.jsonl").display().to_string();
     let out = folder.0.display().to_string();
     for (args, path) in [
         (["run", "idle", "--schedule", &nowhere], &nowhere),
         (["run", "idle", "--schedule", &below], &below),
         (["run", "idle", "--schedule", &out], &out),
-        (["run", "idle", "--report", &nowhere], &nowhere),
-        (["run", "idle", "--out", &file], &file),
+        (["run", "idle", "--html", &nowhere], &nowhere),
     ] {
         let said = hil(&args);
         assert_eq!(

@@ -124,18 +124,21 @@ fn outputs_replace_nothing_but_earlier_outputs() {
         "found TOML settings",
         "--force",
     ];
-    for option in ["--report", "--schedule", "--junit"] {
+    for option in ["--html", "--schedule", "--junit"] {
         refused(&["run", "idle", option, "mine.toml"], &toml);
     }
     refused(
-        &["run", "idle", "--report", "page.html"],
+        &["run", "idle", "--html", "page.html"],
         &["found another program's"],
     );
     refused(&["test", "idle", "--junit", "mine.toml"], &toml);
-    refused(&["texture", "export", "default", "mine.toml"], &toml);
+    refused(
+        &["texture", "export", "default", "--out", "mine.toml"],
+        &toml,
+    );
     assert_eq!(folder.text("mine.toml"), scene);
     let run = [
-        "run", "idle", "--quiet", "--report", "r.html", "--record", "a.log", "--out", "all",
+        "run", "idle", "--quiet", "--html", "r.html", "--record", "a.log", "--out", "all",
     ];
     for time in 0..2 {
         let said = hil_in(&folder.0, &run);
@@ -146,14 +149,14 @@ fn outputs_replace_nothing_but_earlier_outputs() {
         &["found an input of this command"],
     );
     refused(
-        &["run", "idle", "--report", "x.html", "--report", "x.html"],
-        &["--report"],
+        &["run", "idle", "--html", "x.html", "--html", "x.html"],
+        &["--html"],
     );
     refused(
         &["run", "idle", "--record", "x.log", "--record", "x.log"],
         &["one output per file"],
     );
-    let forced = ["run", "idle", "--quiet", "--report", "page.html", "--force"];
+    let forced = ["run", "idle", "--quiet", "--html", "page.html", "--force"];
     assert_eq!(hil_in(&folder.0, &forced).status, Some(0));
     assert!(folder.text("page.html").contains("palpate"));
 }

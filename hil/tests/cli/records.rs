@@ -184,7 +184,7 @@ fn a_replay_writes_the_same_records_while_it_runs_as_after_it() {
     replay("while", &[]);
     let report = folder.path("r.html").display().to_string();
     // A report needs the whole run, so everything is written behind it.
-    replay("after", &["--report", &report]);
+    replay("after", &["--html", &report]);
     let read = |name: &str, ending| fs::read(folder.path(&format!("{name}.{ending}"))).unwrap();
     for ending in ["csv", "jsonl", "log"] {
         assert!(read("while", ending) == read("after", ending), "{ending}");

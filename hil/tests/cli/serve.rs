@@ -176,10 +176,8 @@ fn two_pages_see_a_run_and_either_can_stop_it() {
     }
     let (status, out) = run.ended();
     assert_eq!(status, Some(0), "{out}");
-    assert!(
-        out.starts_with("STOPPED: by the person who watched"),
-        "{out}"
-    );
+    let last = out.lines().last().unwrap();
+    assert_eq!(last, "STOPPED: by the person who watched");
 }
 
 #[test]
@@ -303,30 +301,29 @@ fn a_run_that_is_served_has_the_same_records() {
         .unwrap()
         < 2_900_000
     {}
+    let over = next(&mut page, "over");
+    assert!(over["over"].as_str().unwrap().starts_with("OK"));
+    // Names and words as in the summary's margins.
+    let measured = over["measured"].as_array().unwrap();
+    assert!(measured.len() > 8, "{measured:?}");
     assert!(
-        next(&mut page, "over")["over"]
-            .as_str()
-            .unwrap()
-            .starts_with("OK")
+        measured
+            .iter()
+            .any(|row| row[0] == "burst" && row[1] == "61 %")
     );
-    assert_eq!(run.ended().0, Some(0));
+    // A page that opens now sees how it ended, and what there was last.
+    let mut late = run.own_page();
+    assert_eq!(
+        next(&mut late, "hello")["hello"]["heads"][0]["scene"],
+        "sphere-diagonal"
+    );
+    assert_eq!(next(&mut late, "over"), over);
+    assert!(next(&mut late, "picture")["picture"]["now_us"].as_u64() >= Some(2_900_000));
+    assert_eq!(run.interrupted(), Some(0));
     for ending in endings {
         let read = |folder: &Folder| fs::read(folder.path(&format!("a.{ending}"))).unwrap();
         assert!(read(&plain) == read(&seen), "{ending}");
     }
-}
-
-#[test]
-fn an_address_that_is_taken_or_none_is_refused() {
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = taken.local_addr().unwrap().to_string();
-    let said = hil(&["run", "idle", "--serve", &address]);
-    assert_eq!(said.status, Some(3), "{}", said.err);
-    assert!(said.err.contains("port 0 takes a free one"), "{}", said.err);
-    refused_with(
-        &["run", "--serve", "sphere-along"],
-        &["--serve", "ADDRESS:PORT"],
-    );
 }
 
 /// A run of the circle as a record.
@@ -346,7 +343,7 @@ fn answer(page: &mut WebSocket<TcpStream>, wish: &str, key: &str) -> Value {
 
 impl Served {
     /// What it ends with when a signal comes.
-    fn interrupted(self) -> Option<i32> {
+    pub(super) fn interrupted(self) -> Option<i32> {
         let kill = Command::new("kill")
             .args(["-INT", &self.run.id().to_string()])
             .status();
@@ -482,6 +479,10 @@ fn what_is_no_recording_of_a_run_is_not_served() {
         (
             vec![whole.clone(), "--bench".into(), "thesis".into()],
             &["--bench", "has its bench with it"],
+        ),
+        (
+            vec![whole.clone(), "--loop".into()],
+            &["--loop", "its page plays it again"],
         ),
     ] {
         let args: Vec<String> = ["serve".to_owned()].into_iter().chain(args).collect();

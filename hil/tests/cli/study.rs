@@ -199,6 +199,28 @@ fn what_two_studies_rated_is_compared() {
         .iter()
         .find(|c| c["of"] == "roughness of wood")
         .unwrap();
+    // Other people: what they rated goes together on no scale and surface.
+    let us = compared.iter().map(|c| c["u"].to_string());
+    assert!(
+        us.collect::<std::collections::BTreeSet<_>>().len() > 3,
+        "{found}"
+    );
+    assert!(
+        (wood["least_p"].as_f64().unwrap() - 2.0 / 15.0).abs() < 1e-9,
+        "{wood}"
+    );
+    let text = good(&["study", "analyse", &wires, "--beside", &hand]);
+    let nothing = "4 against 2 people say nothing: no answers of so few differ at p below 0.13";
+    assert_eq!(text.matches(nothing).count(), 24, "{text}");
+    assert!(!text.contains(", p "), "{text}");
+    run("textures-on-wires", "2", &out("wires-again"));
+    refused_with(
+        &["study", "analyse", &wires, "--beside", &out("wires-again")],
+        &[
+            "simulated participants of the same protocol, number and seed: 2",
+            "--seed",
+        ],
+    );
     assert_eq!(wood["first"], "textures-by-hand");
     assert_eq!(wood["second"], "textures-on-wires");
     assert_eq!(wood["counts"], serde_json::json!([4, 2]));

@@ -7,10 +7,15 @@ fn every_shipped_scene_passes_on_the_emulated_bench() {
     let out = good(&["test"]);
     let lines: Vec<&str> = out.lines().collect();
     let scenes = palpate_fixtures::scene_names().count();
-    assert_eq!(
-        lines[0],
-        format!("{scenes} trials on emulated (emulated), seed 1")
-    );
+    let stages = [
+        format!("{} trials on emulated (emulated), seed 1", scenes - 5),
+        "1 trial on allegro-hand (emulated), seed 1".to_owned(),
+        "2 trials on unit (emulated), seed 1".to_owned(),
+        "1 trial on ten-fingers (emulated), seed 1".to_owned(),
+        "1 trial on warm (emulated), seed 1".to_owned(),
+    ];
+    let told = lines.iter().filter(|l| l.ends_with(", seed 1"));
+    assert_eq!(told.collect::<Vec<_>>(), stages.iter().collect::<Vec<_>>());
     assert_eq!(
         lines.last().unwrap(),
         &format!("OK: {scenes} passed, 0 failed")
@@ -83,6 +88,57 @@ fn a_quarantined_trial_may_fail_and_needs_a_reason() {
         &["test", "--quarantine", &unknown],
         &["q.toml:3", "tea", "sphere-along"],
     );
+}
+
+#[test]
+fn a_bench_without_what_a_scene_wants_refuses_the_trial() {
+    let said = hil(&["test", "wifi-outage", "--bench", "emulated"]);
+    assert_eq!(said.status, Some(1), "{}", said.out);
+    assert!(
+        said.out.contains("REFUSED         wifi-outage"),
+        "{}",
+        said.out
+    );
+    let why = "the scene wants a driver unit, such as bench `unit` has";
+    assert!(said.out.contains(why), "{}", said.out);
+    assert!(
+        said.err.contains("0 passed, 0 failed, 1 refused"),
+        "{}",
+        said.err
+    );
+    let json = good(&["test", "along", "--bench", "emulated", "--json"]);
+    let all: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let trials = all["trials"].as_array().unwrap();
+    let wifi = trials.iter().find(|t| t["trial"] == "sphere-along-wifi");
+    assert_eq!(wifi.unwrap()["verdict"], "refused");
+    assert_eq!(all["verdict"], "ok");
+}
+
+#[test]
+fn what_is_not_felt_fails_a_trial_where_the_scene_expects_it() {
+    let folder = Folder::new("test-unfelt");
+    let scene = palpate_fixtures::scene("sphere-along").unwrap();
+    let weak = scene.replace(
+        "mean = 0.7, amplitude = 0.3",
+        "mean = 0.001, amplitude = 0.0",
+    );
+    let bounds = weak.replace("path_rmse_mm = 0.5\n", "");
+    let path = folder.write("weak.toml", &bounds).display().to_string();
+    let junit = folder.path("r.xml").display().to_string();
+    let said = good(&["test", &path, "--junit", &junit]);
+    assert!(said.contains("NOT FELT        sphere-along"), "{said}");
+    assert!(
+        said.ends_with("OK: 0 passed, 0 failed, 1 not felt\n"),
+        "{said}"
+    );
+    let why = "<system-out>NOT FELT: no reading of the touch rose above the contact threshold";
+    assert!(folder.text("r.xml").contains(why));
+    let strict = format!("{bounds}felt_share_min = 0.9\n");
+    let path = folder.write("strict.toml", &strict).display().to_string();
+    let said = hil(&["test", &path]);
+    assert_eq!(said.status, Some(1));
+    let why = "share of onsets felt: expected >= 90.000 %, found 0.000 %";
+    assert!(said.out.contains(why), "{}", said.out);
 }
 
 #[test]

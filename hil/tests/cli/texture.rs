@@ -98,7 +98,7 @@ fn a_model_that_misses_its_golden_vector_is_refused() {
 fn the_export_is_an_onnx_file_with_its_names() {
     let (folder, model, _) = ground("texture-export");
     let out = folder.path("encoder.onnx").display().to_string();
-    let said = hil(&["texture", "export", &model, &out]);
+    let said = hil(&["texture", "export", &model, "--out", &out]);
     assert_eq!(said.status, Some(0), "{}", said.err);
     assert!(said.err.contains("`raw` [20, N, 5]"), "{}", said.err);
     let bytes = fs::read(&out).unwrap();
@@ -112,7 +112,7 @@ fn the_export_is_an_onnx_file_with_its_names() {
 fn strokes_are_recordings_beside_their_ratings() {
     let folder = Folder::new("texture-strokes");
     let out = folder.path("strokes").display().to_string();
-    let said = hil(&["texture", "strokes", &out, "--strokes", "2"]);
+    let said = hil(&["texture", "strokes", "--out", &out, "--strokes", "2"]);
     assert_eq!(said.status, Some(0), "{}", said.err);
     let strokes = Folder(folder.path("strokes"));
     let names = strokes.names();
@@ -135,6 +135,7 @@ fn strokes_are_recordings_beside_their_ratings() {
     let said = hil(&[
         "texture",
         "strokes",
+        "--out",
         &path,
         "--strokes",
         "2",
@@ -154,6 +155,7 @@ fn strokes_are_recordings_beside_their_ratings() {
         hil(&[
             "texture",
             "strokes",
+            "--out",
             &path,
             "--strokes",
             "2",
@@ -165,7 +167,7 @@ fn strokes_are_recordings_beside_their_ratings() {
     assert!(read(&same) == table && read(&other) != table);
 
     refused_with(
-        &["texture", "strokes", &out, "--strokes", "0"],
+        &["texture", "strokes", "--out", &out, "--strokes", "0"],
         &["--strokes", "1"],
     );
     let twice = folder.write(
@@ -175,11 +177,11 @@ fn strokes_are_recordings_beside_their_ratings() {
     );
     let twice = twice.display().to_string();
     refused_with(
-        &["texture", "strokes", &out, "--textures", &twice],
+        &["texture", "strokes", "--out", &out, "--textures", &twice],
         &["twice.toml:", "texture[1].name", "no other texture"],
     );
     let file = folder.write("taken", "").display().to_string();
-    let said = hil(&["texture", "strokes", &file, "--strokes", "1"]);
+    let said = hil(&["texture", "strokes", "--out", &file, "--strokes", "1"]);
     assert_eq!(said.status, Some(3));
     assert!(said.err.contains("taken"), "{}", said.err);
 }
@@ -295,7 +297,7 @@ fn a_panel_rates_recordings_and_says_that_it_is_simulated() {
 fn independent_materials_are_drawn_stroked_mapped_and_felt() {
     let folder = Folder::new("texture-materials");
     let table = folder.path("materials.toml").display().to_string();
-    let draw = ["texture", "materials", &table, "--count", "4"];
+    let draw = ["texture", "materials", "--out", &table, "--count", "4"];
     refused_with(&draw, &["--unseen 50", "at most --count, which is 4"]);
     let done = |args: &[&str]| {
         let said = hil(args);
@@ -305,7 +307,7 @@ fn independent_materials_are_drawn_stroked_mapped_and_felt() {
     good(&["check", &table]);
     let strokes = folder.path("strokes");
     let out = strokes.display().to_string();
-    let stroke = ["texture", "strokes", &out, "--textures", &table];
+    let stroke = ["texture", "strokes", "--out", &out, "--textures", &table];
     let more = ["--strokes", "1", "--varied", "--rate", "500"];
     done(&[&stroke[..], &more].concat());
     let rows = fs::read_to_string(strokes.join("material-0003_00.csv")).unwrap();

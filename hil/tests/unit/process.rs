@@ -233,7 +233,7 @@ fn sixteen_boards_on_one_address_are_refused_with_a_sentence() {
             "unit.key",
             "--bench",
             "one-address.toml",
-            "--listen",
+            "--at",
             "127.0.0.1:0",
         ],
     );

@@ -204,14 +204,7 @@ impl Process {
         let folder = Folder::new();
         write_key(&folder.0.join("unit.key"), key);
         let mut command = hil(&folder);
-        command.args([
-            "unit",
-            "--json",
-            "--key",
-            "unit.key",
-            "--listen",
-            "127.0.0.1:0",
-        ]);
+        command.args(["unit", "--json", "--key", "unit.key", "--at", "127.0.0.1:0"]);
         command.args(more);
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap());

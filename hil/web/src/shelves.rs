@@ -2,7 +2,9 @@
 
 use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
-use palpate_files::{FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene};
+use palpate_files::{
+    DEFAULT_BENCH, FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene,
+};
 use palpate_run::Failure;
 use palpate_run::picture::style_word;
 use serde::Serialize;
@@ -32,6 +34,9 @@ struct Offer {
     /// A scene that wants the texture model.
     #[serde(skip_serializing_if = "is_false")]
     texture: bool,
+    /// The bench of a scene that wants one of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bench: Option<String>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)] // serde's signature
@@ -45,7 +50,12 @@ fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
         name: file.name,
         description: file.description,
         texture: false,
+        bench: None,
     })
+}
+
+fn has_one_display(bench: &str) -> Result<bool, Failure> {
+    Ok(load_bench(bench)?.value.displays.is_empty())
 }
 
 /// Reads the shelves.
@@ -55,8 +65,18 @@ fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
 pub fn shelves() -> Result<Shelves, Failure> {
     let (mut scenes, mut skins, mut displays) = (Vec::new(), Vec::new(), Vec::new());
     for scene in shelf(FileKind::Scene) {
-        let texture = load_scene(&scene.name)?.value.texture.is_some();
-        scenes.push(Offer { texture, ..scene });
+        let file = load_scene(&scene.name)?.value;
+        let (own, texture) = (file.own_bench(), file.texture.is_some());
+        // A page has one finger.
+        if !has_one_display(own)? {
+            continue;
+        }
+        let bench = (own != DEFAULT_BENCH).then(|| own.to_owned());
+        scenes.push(Offer {
+            texture,
+            bench,
+            ..scene
+        });
     }
     for layout in shelf(FileKind::Layout).filter(|layout| layout.name != "million") {
         match load_layout(&layout.name)?.value {
@@ -67,8 +87,7 @@ pub fn shelves() -> Result<Shelves, Failure> {
     }
     let mut benches = Vec::new();
     for bench in shelf(FileKind::Bench) {
-        // A page has one finger.
-        if load_bench(&bench.name)?.value.displays.is_empty() {
+        if has_one_display(&bench.name)? {
             benches.push(bench);
         }
     }

@@ -28,11 +28,11 @@ fn bursts(picture: &Value, out: &mut Vec<(u64, u64, u64, u64)>) {
 /// One finger's next state: who, where (um), how hard (mN).
 type Move = (usize, i64, i64, i64);
 
-fn played(scene: &str, bench: &str, moves: &[Vec<Move>]) {
+fn played(scene: &str, bench: &str, set: &[&str], moves: &[Vec<Move>]) {
     let mut page = Page::default();
     let head = ask(
         &mut page,
-        &json!({ "do": "open", "scene": scene, "bench": bench }),
+        &json!({ "do": "open", "scene": scene, "bench": bench, "set": set }),
     );
     let mut now = head["quiet_us"].as_u64().unwrap() + 10_000;
     ask(&mut page, &json!({ "do": "step", "until_us": now }));
@@ -108,7 +108,7 @@ fn a_finger_is_felt_and_comes_again_on_every_kind_of_bench() {
         ("two-finger-press", "three-in-line"),
         ("icub-patch-stroke", "emulated"),
     ] {
-        played(scene, bench, &across());
+        played(scene, bench, &[], &across());
     }
 }
 
@@ -117,7 +117,41 @@ proptest! {
 
     #[test]
     fn any_fingers_come_again(moves in moves()) {
-        played("idle", "emulated", &moves);
+        played("idle", "emulated", &["compression.kc_touches=3"], &moves);
+    }
+}
+
+#[test]
+fn the_number_of_contacts_follows_the_fingers() {
+    let fingers = [[-5000, 5000], [5000, -4000]];
+    for (set, contacts) in [(&[][..], 1), (&["compression.kc_touches=4"][..], 2)] {
+        let mut page = Page::default();
+        let open = json!({ "do": "open", "scene": "idle", "bench": "emulated", "set": set });
+        let quiet_us = ask(&mut page, &open)["quiet_us"].as_u64().unwrap() + 10_000;
+        ask(&mut page, &json!({ "do": "step", "until_us": quiet_us }));
+        let mut step = |after_us: u64, forces: [i64; 2]| {
+            let fingers = fingers.iter().zip(forces).enumerate();
+            let fingers: Vec<Value> = fingers
+                .map(|(n, ([x, y], force))| json!([n, 0, x, y, force, 9000]))
+                .collect();
+            let until_us = quiet_us + after_us;
+            let step = json!({ "do": "step", "until_us": until_us, "fingers": fingers });
+            ask(&mut page, &step)["contacts"]
+                .as_array()
+                .unwrap()
+                .clone()
+        };
+        let found = step(500_000, [900, 900]);
+        assert_eq!(found.len(), contacts, "{set:?}");
+        for [x, y] in fingers.iter().filter(|_| contacts == 2) {
+            let near = found.iter().filter(|contact| {
+                let [u, v] = [0, 1].map(|n| contact["at_mm"][n].as_f64().unwrap());
+                (u - f64::from(*x) * 1e-3).hypot(v - f64::from(*y) * 1e-3) < 2.0
+            });
+            assert_eq!(near.count(), 1, "{x} {y}: {found:?}");
+        }
+        assert_eq!(step(900_000, [900, 0]).len(), 1);
+        assert_eq!(step(1_300_000, [0, 0]).len(), 0);
     }
 }
 

@@ -44,9 +44,7 @@ fn serve(node: &str, key: &str) -> Unit {
     }
     std::fs::write(&bench, text).unwrap();
     let child = Command::new(hil())
-        .args([
-            "unit", "--json", "--key", key, "--listen", ADDRESS, "--bench",
-        ])
+        .args(["unit", "--json", "--key", key, "--at", ADDRESS, "--bench"])
         .arg(&bench)
         .stdin(Stdio::null())
         .stdout(File::create(&said).unwrap())

@@ -30,10 +30,17 @@ fn a_run_is_shown_to_a_browser_and_stopped_by_it() {
     patiently(|| {
         let press = scene("press.toml");
         let mut ward = Ward::open(&press, &[]);
-        let mut run = ward.run(&press, &["--serve", &format!("0.0.0.0:{port}")]);
-        let said = ward.said();
-        let url = said.split(URL).nth(1).and_then(|rest| rest.lines().next());
-        println!("page http://{}", url.unwrap_or_else(|| panic!("{said}")));
+        let options = ["--serve", &format!("0.0.0.0:{port}")];
+        // It begins when the page is there.
+        let mut is_told = false;
+        let mut run = ward.run_heard("driving", &press, &options, |said| {
+            let rest = said.split(URL).nth(1);
+            let url = rest.and_then(|rest| rest.split_once(';'));
+            if let Some((url, _)) = url.filter(|_| !is_told) {
+                println!("page http://{url}");
+                is_told = true;
+            }
+        });
         let begun = Instant::now();
         while run.child.try_wait().unwrap().is_none() {
             assert!(begun.elapsed() < MOST, "no page has said STOP");

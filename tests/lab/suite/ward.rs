@@ -179,6 +179,17 @@ impl Ward {
 
     /// A run, once the emulator has told of this.
     pub fn run_until(&mut self, event: &str, scene_file: &str, options: &[&str]) -> Run {
+        self.run_heard(event, scene_file, options, |_| {})
+    }
+
+    /// As [`Self::run_until`]; `hear` gets what the run has said, again and again, until then.
+    pub fn run_heard(
+        &mut self,
+        event: &str,
+        scene_file: &str,
+        options: &[&str],
+        mut hear: impl FnMut(&str),
+    ) -> Run {
         self.stop_boards();
         cool();
         self.emulator.told.clear();
@@ -189,6 +200,7 @@ impl Ward {
             let ended = child.try_wait().unwrap();
             let said = std::fs::read_to_string(&self.said);
             assert!(ended.is_none(), "the run has ended by itself: {said:?}");
+            hear(&said.unwrap_or_default());
         });
         let guardian = guardian_of(&child);
         Run { child, guardian }

@@ -67,6 +67,25 @@ fn row_zero_column_zero_is_top_left() {
 }
 
 #[test]
+fn the_pitch_is_the_way_to_the_nearest_other_taxel() {
+    let pitch = |name: &str| sensor(name).modules[0].pitch_mm();
+    assert_eq!(pitch("uskin-4x4"), Some(4.7));
+    let scattered = sensor("scattered-12");
+    let taxels = scattered.modules[0].taxels();
+    let others = |i: usize| taxels.iter().enumerate().filter(move |(j, _)| *j != i);
+    let mut nearest = f64::INFINITY;
+    for (i, one) in taxels.iter().enumerate() {
+        for (_, other) in others(i) {
+            nearest = nearest.min((one.x_mm - other.x_mm).hypot(one.y_mm - other.y_mm));
+        }
+    }
+    assert_eq!(pitch("scattered-12"), Some(nearest));
+    let mut single = scattered.modules[0].clone();
+    single.points_mm = Some(vec![[0.0, 0.0]]);
+    assert_eq!(single.pitch_mm(), None);
+}
+
+#[test]
 fn a_hand_reads_240_taxels_and_leaves_the_thumbs_fourth_module_blank() {
     let hand = sensor("allegro");
     assert_eq!((hand.modules.len(), hand.readings()), (15, 240));
@@ -152,7 +171,7 @@ fn files_are_found_beside_the_file_that_names_them() {
     assert_eq!(
         Setup::load("idle", &lost).unwrap_err().to_string(),
         format!(
-            "{lost}:6: limits: expected a limit table (default) or a file, found \"gone.toml\""
+            "{lost}:6: limits: expected a limit table (default) or a file, found \"gone.toml\", and no such file"
         )
     );
     let binary = folder.join("binary.toml");

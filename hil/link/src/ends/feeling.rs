@@ -98,7 +98,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         let layout = layout_digest(&setup.sensor.value);
         let modules = setup.sensor.value.modules.len();
         let own = session_of(&net.session);
-        let report = (args.report.as_deref())
+        let report = (args.html.as_deref())
             .map(|path| Report::begin(path, args.force, header(setup, seed, &projector)?))
             .transpose()?;
         let stopwatch = Stopwatch::new(setup, &projector)?;

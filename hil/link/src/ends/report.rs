@@ -1,4 +1,4 @@
-//! The report of a wearer's run: the page that `hil run --report` makes, with the latency budget in its summary.
+//! The report of a wearer's run: the page that `hil run --html` makes, with the latency budget in its summary.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ impl Report {
     pub(super) fn begin(path: &Path, force: bool, header: Header) -> Result<Self, Failure> {
         if path.extension().is_none_or(|e| e != "html") {
             return Err(Failure::Input(format!(
-                "--report {}: expected a name that ends in .html",
+                "--html {}: expected a name that ends in .html",
                 path.display()
             )));
         }

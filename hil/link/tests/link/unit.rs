@@ -59,14 +59,7 @@ impl Unit {
         let folder = Folder::new();
         let made = hil(&folder, &["unit", "--new-key", "unit.key"]).output();
         assert!(made.unwrap().status.success());
-        let arguments = [
-            "unit",
-            "--json",
-            "--key",
-            "unit.key",
-            "--listen",
-            "127.0.0.1:0",
-        ];
+        let arguments = ["unit", "--json", "--key", "unit.key", "--at", "127.0.0.1:0"];
         let mut child = hil(&folder, &arguments)
             .stdout(Stdio::piped())
             .spawn()

@@ -131,6 +131,16 @@ impl State {
             Who::Experimenter => &mut self.experimenter,
         }
     }
+
+    /// The experimenter sees at once whether the participant's page is there.
+    fn tell_seated(&mut self) {
+        let seated = !self.participant.pages.is_empty();
+        let view = &self.experimenter.view;
+        if view.is_object() && view["seated"] != json!(seated) {
+            self.experimenter
+                .change(|view| view["seated"] = json!(seated));
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -213,6 +223,7 @@ impl Shared {
             state.wait(Heard::Lost);
         }
         state.shown(who).pages.push(Arc::clone(&slot));
+        state.tell_seated();
         drop(state);
         self.changed.notify_all();
         slot
@@ -226,6 +237,7 @@ impl Shared {
         if who == Who::Participant && left.is_some() {
             state.wait(Heard::Lost);
         }
+        state.tell_seated();
         drop(state);
         self.changed.notify_all();
     }

@@ -20,7 +20,7 @@ macro_rules! script {
     };
 }
 
-const FILES: [PageFile; 10] = [
+const FILES: [PageFile; 11] = [
     PageFile {
         path: "/",
         media_type: HTML,
@@ -33,6 +33,7 @@ const FILES: [PageFile; 10] = [
     },
     script!("draw.js"),
     script!("finger.js"),
+    script!("limits.js"),
     script!("live.js"),
     script!("link.js"),
     script!("pad.js"),
@@ -45,7 +46,7 @@ const FILES: [PageFile; 10] = [
 const NOTEBOOK: PageFile = script!("notebook.js");
 
 /// The pages of a study: the participant's and the experimenter's.
-const STUDY: [PageFile; 6] = [
+const STUDY: [PageFile; 7] = [
     PageFile {
         path: "/",
         media_type: HTML,
@@ -64,6 +65,11 @@ const STUDY: [PageFile; 6] = [
     script!("study/participant.js"),
     script!("study/experimenter.js"),
     script!("study/desk.js"),
+    PageFile {
+        path: "/study/limits.js",
+        media_type: JAVASCRIPT,
+        text: include_str!("../../../page/limits.js"),
+    },
 ];
 
 /// What a page is over.
@@ -154,7 +160,14 @@ pub fn notebook() -> (String, Vec<(&'static str, &'static str)>) {
         .fold(text("/").to_owned(), |page, (what, instead)| {
             page.replacen(what, instead, 1)
         });
-    let loaded = ["draw.js", "finger.js", "pad.js", "panels.js", "plots.js"];
+    let loaded = [
+        "draw.js",
+        "finger.js",
+        "limits.js",
+        "pad.js",
+        "panels.js",
+        "plots.js",
+    ];
     let own = ("notebook.js", NOTEBOOK.text);
     let scripts = FILES.iter().filter_map(|file| {
         let name = file.path.strip_prefix('/')?;

@@ -1,11 +1,13 @@
 //! The live view of a run, as its pages have it: what each is told when it opens, which display it looks at, what it says.
 
+use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Thread;
 use std::time::Duration;
 
+use palpate_records::margin::Margin;
 use palpate_run::picture::Head;
 use palpate_run::{Beginning, Failure};
 use serde::Deserialize;
@@ -35,9 +37,13 @@ pub(super) struct Hub {
     run: Mutex<Known>,
     /// Displays that pages look at, a bit each.
     looked_at: AtomicU64,
+    /// The newest picture of each display, for pages that open when no other comes.
+    newest: Mutex<BTreeMap<usize, Arc<str>>>,
     /// The thread that paints for them, asleep while no page looks.
     painting: Mutex<Option<Thread>>,
     stop: AtomicBool,
+    /// A page has opened.
+    seen: AtomicBool,
 }
 
 /// What a page is told that opens while the run goes on.
@@ -86,9 +92,30 @@ impl Live {
     /// [`Failure::Device`] where that is not possible.
     pub fn open(address: SocketAddr) -> Result<Self, Failure> {
         let hub = Arc::new(Hub::default());
-        held(&hub.run).run = u64::from_le_bytes(crate::link::key::random()?);
         let [url] = server::serve(address, [""], Arc::clone(&hub) as _)?;
-        Ok(Self { hub, url })
+        let live = Self { hub, url };
+        live.again()?;
+        Ok(live)
+    }
+
+    /// Another run follows, or the first one; pages stay.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] for a system without random bytes.
+    pub fn again(&self) -> Result<(), Failure> {
+        *held(&self.hub.run) = Known {
+            run: u64::from_le_bytes(crate::link::key::random()?),
+            ..Known::default()
+        };
+        held(&self.hub.newest).clear();
+        held(&self.hub.pages).iter().for_each(|page| page.forget());
+        Ok(())
+    }
+
+    /// Whether a page has opened.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        self.hub.seen.load(Ordering::Relaxed)
     }
 
     /// What its pages have in common with a run.
@@ -96,9 +123,13 @@ impl Live {
         Arc::clone(&self.hub)
     }
 
-    /// The run is over, and this is what it came to; pages have a moment to take it in.
-    pub fn over(&self, line: &str) {
-        let text: Arc<str> = json!({ "over": line }).to_string().into();
+    /// The run is over, and this is what it came to and what it measured of its limits; pages have a moment to take it in.
+    pub fn over(&self, line: &str, margins: &[Margin]) {
+        let measured = margins.iter().map(|m| (m.of.name(), m.used_words()));
+        let measured: Vec<_> = measured.collect();
+        let text: Arc<str> = json!({ "over": line, "measured": measured })
+            .to_string()
+            .into();
         held(&self.hub.run).over = Some(Arc::clone(&text));
         let pages = held(&self.hub.pages).clone();
         pages.iter().for_each(|page| page.tell(Arc::clone(&text)));
@@ -146,6 +177,7 @@ impl Hub {
 
     /// The newest picture of a display, for all pages that look at it.
     pub(super) fn show(&self, display: usize, picture: &Arc<str>) {
+        held(&self.newest).insert(display, Arc::clone(picture));
         held(&self.pages)
             .iter()
             .for_each(|page| page.show(display, picture));
@@ -172,11 +204,22 @@ impl Hub {
             .over
             .iter()
             .for_each(|over| slot.tell(Arc::clone(over)));
+        if known.over.is_some() {
+            self.show_last(&slot, 0);
+        }
         // Still under the lock: what is told from here on reaches this page too.
         held(&self.pages).push(Arc::clone(&slot));
         drop(known);
         self.look_again();
+        self.seen.store(true, Ordering::Relaxed);
         slot
+    }
+
+    /// Shows what there was last of a display.
+    fn show_last(&self, slot: &Slot, display: usize) {
+        if let Some(picture) = held(&self.newest).get(&display) {
+            slot.show(display, picture);
+        }
     }
 
     /// What a page says; false for what is no message of a page.
@@ -189,6 +232,9 @@ impl Hub {
         }
         if let Some(display) = said.display {
             slot.display.store(display, Ordering::Relaxed);
+            if held(&self.run).over.is_some() {
+                self.show_last(slot, display);
+            }
             self.look_again();
         }
         true

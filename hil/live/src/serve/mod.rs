@@ -32,6 +32,10 @@ pub const PORT: u16 = 8137;
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     match text.parse::<u16>() {
         Ok(port) => Ok((Ipv4Addr::LOCALHOST, port).into()),
+        // A resolver takes a number for the bits of an address.
+        Err(_) if !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit()) => {
+            Err(format!("expected a port from 0 to 65535, found {text}"))
+        }
         Err(_) => address_or(text, PORT),
     }
 }

@@ -51,6 +51,8 @@ pub(super) fn serve<const N: usize>(
     let failed = |e: io::Error| {
         let way = match e.kind() {
             io::ErrorKind::AddrInUse => "; another program listens there, port 0 takes a free one",
+            io::ErrorKind::AddrNotAvailable => "; this computer has no such address",
+            io::ErrorKind::PermissionDenied => "; ports below 1024 are for root",
             _ => "",
         };
         Failure::Device(format!("--serve {address}: {e}{way}"))

@@ -42,6 +42,11 @@ impl Slot {
         }
     }
 
+    /// What was not taken is of a run that is over.
+    pub(super) fn forget(&self) {
+        self.held().picture = None;
+    }
+
     /// The page is gone.
     pub(super) fn close(&self) {
         self.held().gone = true;

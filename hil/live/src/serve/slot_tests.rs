@@ -17,6 +17,10 @@ fn a_page_that_is_slow_gets_everything_it_is_told_and_of_pictures_the_newest() {
     slot.tell(text("over"));
     let got: Vec<_> = (0..3).filter_map(|_| slot.next()).collect();
     assert_eq!(got, [text("hello"), text("over"), text("3")]);
+    slot.show(0, &text("of a run that is over"));
+    slot.forget();
+    slot.show(0, &text("4"));
+    assert_eq!(slot.next(), Some(text("4")));
     slot.close();
     assert_eq!(slot.next(), None);
 }

@@ -72,7 +72,7 @@ class Loop:
 
     Args:
         layout: The skin, a name or a file. Default: the scene's.
-        bench: The emulated bench whose display is driven. Default: ``emulated``.
+        bench: The emulated bench whose display is driven. Default: what the scene wants, or ``emulated``.
         scene: Where the other settings come from; its touches do not come. Default: what ``hil run --replay``
             takes, with a contact threshold from every taxel's own noise.
         set: Values in place of the files' own, as for :func:`run`.

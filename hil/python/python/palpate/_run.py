@@ -170,7 +170,11 @@ class Run(_Tables):
 
     @property
     def verdict(self) -> str:
-        """``ok``, ``limit-exceeded``, ``failed``, ``stopped`` or ``incomplete``."""
+        """How it ended, the gravest that applies.
+
+        ``beyond-the-model``, ``limit-exceeded``, ``failed``, ``stopped``, ``incomplete``, ``not-felt``, ``off-the-pad`` or
+        ``ok``.
+        """
         return str(self.summary["verdict"])
 
     @property
@@ -237,7 +241,7 @@ def run(
     Args:
         scene: A built-in scene, a file, or the text of one (TOML, several lines). Default: ``sphere-along``.
         seed: Seed of all randomness.
-        bench: A built-in emulated bench or a file. Default: ``emulated``.
+        bench: A built-in emulated bench or a file. Default: what the scene wants, or ``emulated``.
         set: Values in place of the files' own: ``{"illusion.model": "inverse", "bench.drive.current_ma": 900}``.
         replay: Readings in place of the scene's touches: a file (CSV or .npy; candump log or MCAP of all buses), one
             file per module, or arrays of raw counts, of shape (rows, taxels, axes) or (rows, taxels * axes).

@@ -78,7 +78,7 @@ def sweep(
         scene: A built-in scene, a file, or the text of one. Workers of a cluster read files by the same paths.
         grid: Keys with their values: ``{"illusion.alpha": [0, 0.1], "bench.drive.current_ma": [900, 1970],
             "seed": range(1, 101)}``. Every combination runs with every seed; without ``seed``, with 1.
-        bench: A built-in emulated bench or a file. Default: ``emulated``.
+        bench: A built-in emulated bench or a file. Default: what the scene wants, or ``emulated``.
         executor: Where the runs go. Default: as many threads as there are cores.
         batch: Runs of one combination that go together.
         out: The table, ``.jsonl`` or ``.csv``. Rows that it has are not computed again.

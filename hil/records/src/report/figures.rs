@@ -19,7 +19,7 @@ pub(super) fn break_key(out: &mut String) {
 
 pub(super) const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
 
-/// Figures A and C side by side; their planes.
+/// Draws contact path and felt path side by side, and returns their planes.
 pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     let (pad, on_pad) = paths::contact_path(trace);
     let (display, on_display) = paths::felt_path(trace);
@@ -37,7 +37,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     taxel_key(&mut legend);
     let _ = writeln!(
         page,
-        "<div class=\"pair\"><section><h2>A \u{b7} Contact path on the sensor</h2>\n\
+        "<div class=\"pair\"><section><h2>Contact path on the sensor</h2>\n\
          <div class=\"plane\" id=\"pad\">{pad}</div><div class=\"legend\">{legend}</div></section>"
     );
     let mut legend = String::new();
@@ -53,14 +53,14 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     line_key(&mut legend, "wire", "wire");
     let _ = writeln!(
         page,
-        "<section><h2>C \u{b7} Felt path on the display</h2>\n\
+        "<section><h2>Felt path on the display</h2>\n\
          <div class=\"plane\" id=\"display\">{display}</div><div class=\"legend\">{legend}</div>{}</section></div>",
         felt_in_words(trace)
     );
     [on_pad, on_display]
 }
 
-/// What figure C counts, and why a phantom breaks. Empty where nothing was projected.
+/// What the felt path counts, and why a phantom breaks. Empty where nothing was projected.
 fn felt_in_words(trace: &Trace) -> String {
     let (mut scored, mut breaks, mut beyond) = (0u64, 0u64, 0u64);
     for onset in trace.each::<event::Felt>() {
@@ -115,7 +115,7 @@ fn why(illusion: &str) -> &'static str {
     }
 }
 
-/// Figure B; nothing where contacts came without taxels, as those that another machine found.
+/// Contacts and time per frame; nothing where contacts came without taxels, as those that another machine found.
 pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
     let has_contacts = trace.each::<event::Contact>().next().is_some();
     if has_contacts
@@ -134,7 +134,7 @@ pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>
     };
     let _ = writeln!(
         page,
-        "<section><h2>B \u{b7} Contacts and time per frame</h2><p class=\"sub\">{said}</p>\n{}</section>",
+        "<section><h2>Contacts and time per frame</h2><p class=\"sub\">{said}</p>\n{}</section>",
         series::frames(trace, extras.frame_us)
     );
 }

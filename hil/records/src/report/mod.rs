@@ -1,12 +1,14 @@
 //! The report of a run: one self-contained page with plots as SVG. It loads nothing. Without scripts every plot
 //! stands as it is; with them it has values, zoom and playback (`page.js`).
 //!
-//! The figures follow the thesis's 5.5: the contact path (A), contacts and time per frame against
-//! frames (B), the felt path (C); then wire temperatures and the schedule as a strip chart.
+//! The result comes first. Then come the figures of the thesis's 5.5, contact path and felt path, and what was felt over
+//! time; the schedule as a strip chart; temperatures; contacts and time per frame. Tables follow, and last how it was made.
 
 mod face;
+mod felt;
 mod figures;
 mod hand;
+mod headline;
 pub mod page;
 mod paths;
 mod playback;
@@ -39,10 +41,23 @@ pub struct SummaryRow {
     pub value: String,
     /// Unit, empty for a count.
     pub unit: String,
-    /// The limit, in the same unit.
-    pub limit: Option<String>,
-    /// Whether the value breaks its limit.
+    /// Whether the value is one to look at.
     pub over: bool,
+}
+
+/// The felt level of one kind of wires by one person, from the least to the most gain of what is not measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BandRow {
+    /// How the wires lie.
+    pub wires: String,
+    /// The person.
+    pub person: String,
+    /// Both ends of the gain from a wire's length to the skin.
+    pub gain: [f64; 2],
+    /// The median level there, dB over the person's threshold.
+    pub level_db: [f64; 2],
+    /// Root mean square error of the felt place by energy, mm, which no gain moves.
+    pub error_mm: Option<f64>,
 }
 
 /// What a report shows beside the trace: measurements of this machine, which differ from run to run
@@ -55,6 +70,8 @@ pub struct ReportExtras<'a> {
     /// More lines for the summary. Path error, felt error, time per frame and the ledger are there
     /// without being named here.
     pub summary: &'a [SummaryRow],
+    /// How far the felt level reaches over what is not measured, where that is known.
+    pub band: &'a [BandRow],
     /// What every taxel read, where that was kept.
     pub readings: Option<&'a Readings>,
     /// The emulated finger over time, where there is one.
@@ -71,16 +88,19 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     page.push_str(&page::head(&tables::title(&trace.header.scene)));
     tables::heading(&mut page, trace);
     tables::verdict(&mut page, trace, extras.conclusion);
-    tables::facts(&mut page, trace, extras.made);
+    headline::tiles(&mut page, trace, extras.band);
+    let [pad, display] = figures::planes(&mut page, trace);
+    felt::section(&mut page, trace);
+    texture::section(&mut page, trace);
+    figures::schedule(&mut page, trace);
     thermal::section(&mut page, trace, extras.warmth);
     face::section(&mut page, trace);
-    let [pad, display] = figures::planes(&mut page, trace);
-    figures::frames(&mut page, trace, extras);
-    texture::section(&mut page, trace);
     figures::temperatures(&mut page, trace);
-    figures::schedule(&mut page, trace);
+    figures::frames(&mut page, trace, extras);
     tables::summary(&mut page, trace, extras);
+    tables::band(&mut page, extras.band);
     tables::events(&mut page, trace);
+    tables::made(&mut page, trace, extras.made);
     let mut after = String::new();
     playback::data(&mut after, trace, extras.readings, [&pad, &display]);
     let _ = write!(after, "<script>\n{SCRIPT}</script>");

@@ -45,7 +45,11 @@ class Curve {
     this.name = path.dataset.n; this.kind = path.dataset.k; this.plot = plot;
     this.color = getComputedStyle(path);
     this.strokes = strokes(path.getAttribute("d"));
-    if (this.kind === "dots") this.strokes.sort((a, b) => a[0][0] - b[0][0]);
+    if (this.kind !== "dots") return;
+    this.strokes.sort((a, b) => a[0][0] - b[0][0]);
+    // Half of the usual distance of two dots.
+    const gaps = this.strokes.slice(1).map((s, i) => s[0][0] - this.strokes[i][0][0]).sort((a, b) => a - b);
+    this.half = (gaps[gaps.length >> 1] || 0) / 2;
   }
   // What it says at a time, in words; nothing where it has no value.
   at(t) {
@@ -57,14 +61,14 @@ class Curve {
       const y = b[0] > a[0] ? a[1] + (b[1] - a[1]) * (t - a[0]) / (b[0] - a[0]) : a[1];
       return plot.words(plot.value(y));
     }
-    const near = (view[1] - view[0]) / 300;
+    const near = Math.max((view[1] - view[0]) / 300, this.half || 0), away = s => Math.abs(s[0][0] - t);
     if (this.kind === "bars") {
       const s = strokes[i];
       if (!s || t >= Math.max(s[2][0], s[0][0] + 1)) return;
       const part = (s[0][1] - s[1][1]) / plot.bar;
       return this.name === "taxels" ? `${Math.round(part * plot.most)}` : plot.words(part * plot.duty);
     }
-    const close = [strokes[i], strokes[i + 1]].filter(s => s && Math.abs(s[0][0] - t) <= near);
+    const close = [strokes[i], strokes[i + 1]].filter(s => s && away(s) <= near).sort((a, b) => away(a) - away(b));
     if (!close.length) return;
     return this.kind === "dots" ? plot.words(plot.value(close[0][0][1])) : (close[0][0][0] / SECOND).toFixed(4) + " s";
   }
@@ -299,7 +303,7 @@ const planes = [
 const player = document.createElement("section");
 player.className = "player";
 player.setAttribute("aria-label", "Playback and zoom");
-document.querySelector("dl").after(player);
+document.querySelector(".result").after(player);
 const pictures = make("div", { className: "pictures" }, player);
 const stages = planes.map(({ box, stage }) => {
   const svg = stage.svg.cloneNode(true), { x, y, width, height } = svg.querySelector(".frame");
@@ -390,6 +394,13 @@ function label() {
   playing.setAttribute("aria-label", timer === null ? "Play" : "Pause");
 }
 
+// Space plays wherever no control has a use of its own for it.
+addEventListener("keydown", e => {
+  if (e.key !== " " || e.repeat || e.defaultPrevented || e.ctrlKey || e.metaKey || e.altKey) return;
+  if (e.target.closest?.("button,select,a,summary")) return;
+  e.preventDefault();
+  play();
+});
 addEventListener("resize", () => plots.forEach(p => p.zoom()));
 addEventListener("beforeprint", () => show(0, run.end));
 show(0, run.end);

@@ -34,6 +34,24 @@ pub fn table(
     columns: &[(&str, &str)],
     rows: impl IntoIterator<Item = (bool, Vec<String>)>,
 ) -> String {
+    written(columns, rows, false)
+}
+
+/// A table of many columns. A narrow page shows each row as a list of names and values.
+pub fn wide(
+    columns: &[(&str, &str)],
+    rows: impl IntoIterator<Item = (bool, Vec<String>)>,
+) -> String {
+    let table = written(columns, rows, true);
+    format!("<div class=\"wide\" tabindex=\"0\">{table}</div>\n")
+}
+
+/// Writes a table; with `named` each cell repeats the name of its column.
+fn written(
+    columns: &[(&str, &str)],
+    rows: impl IntoIterator<Item = (bool, Vec<String>)>,
+    named: bool,
+) -> String {
     let class = |class: &str| match class {
         "" | "html" => String::new(),
         class => format!(" class=\"{class}\""),
@@ -45,12 +63,16 @@ pub fn table(
     out.push_str("</tr>\n");
     for (over, cells) in rows {
         let _ = write!(out, "<tr{}>", class(if over { "over" } else { "" }));
-        for ((of, _), cell) in columns.iter().zip(&cells) {
+        for ((of, name), cell) in columns.iter().zip(&cells) {
             let text = match *of {
                 "html" => cell.clone(),
                 _ => escape(cell),
             };
-            let _ = write!(out, "<td{}>{text}</td>", class(of));
+            let name = match named {
+                true => format!(" data-l=\"{}\"", escape(name)),
+                false => String::new(),
+            };
+            let _ = write!(out, "<td{}{name}>{text}</td>", class(of));
         }
         out.push_str("</tr>\n");
     }

@@ -76,19 +76,10 @@ fn times_panel(
     let whole = (0, length_us(trace));
     let mut plot = TimePlot::new("Time per frame against time", "us", 150.0, whole, y);
     plot.y_axis("time per frame [us]");
-    // What an eye cannot tell apart is drawn once: a long run costs no more than its columns.
-    let (column, row) = (plot.column(), 50);
-    let mut seen = BTreeSet::new();
-    let mut dots = Pen::default();
-    for (time, (t_us, _)) in frame_us.iter().map(|t| f64::from(*t)).zip(counts) {
-        if let (true, Some(at)) = (time > 0.0, plot.at(*t_us, time))
-            && seen.insert((at.0 / column, at.1 / row))
-            && seen.len() <= DOTS
-        {
-            dots.dot(at);
-        }
-    }
-    plot.path("dots", "time per frame", "dots series-dots", &dots.finish());
+    let times = frame_us.iter().map(|t| f64::from(*t)).zip(counts);
+    let times = times.filter(|(us, _)| *us > 0.0);
+    let dots = dots(&plot, times.map(|(us, (t_us, _))| (*t_us, us)));
+    plot.path("dots", "time per frame", "dots series-dots", &dots);
     if let Some(scan) = scan {
         plot.bound(scan, "bound", &format!("scan {:.1} ms", scan / 1000.0));
     }
@@ -97,6 +88,20 @@ fn times_panel(
         plot.bound(median, "median", &format!("median {median:.2} us"));
     }
     plot.named().finish(2, "")
+}
+
+/// A dot per value against microseconds. What an eye cannot tell apart is drawn once: a long run costs no more than its
+/// columns.
+pub(super) fn dots(plot: &TimePlot, values: impl Iterator<Item = (u64, f64)>) -> String {
+    let (column, row) = (plot.column(), 130);
+    let mut seen = BTreeSet::new();
+    let mut pen = Pen::default();
+    for at in values.filter_map(|(t_us, value)| plot.at(t_us, value)) {
+        if seen.insert((at.0 / column, at.1 / row)) && seen.len() <= DOTS {
+            pen.dot(at);
+        }
+    }
+    pen.finish()
 }
 
 /// The wires with a line: all of a small display, of a larger one the hottest.

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// The style sheet of pages and drawings, light and dark.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-/// Text with everything replaced that means something to HTML.
+/// Text with everything replaced that means something to HTML, or that XML forbids.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -20,6 +20,7 @@ pub fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             c if c.is_control() => out.push(' '),
+            '\u{FFFE}' | '\u{FFFF}' => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),
         }
     }

@@ -1,15 +1,16 @@
-//! Head, summary and the list of events.
+//! Heading and verdict; results, band, ledger and events as tables; how the page was made.
 
 use super::page::table;
 use super::series::scan_us;
 use super::svg::escape;
-use super::{ReportExtras, SummaryRow};
+use super::{BandRow, ReportExtras, SummaryRow};
 use crate::felt::{decibels, energies, felt_level, felt_scores};
 use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
 use crate::frame_time::FrameTime;
 use crate::margin::used_words;
 use crate::measure::{self, Errors};
+use crate::model;
 use crate::trace::{Source, Trace, event};
 use crate::verdict::Conclusion;
 use crate::words;
@@ -58,8 +59,15 @@ pub(super) fn heading(page: &mut String, trace: &Trace) {
     }
 }
 
+/// The section of [`facts`].
+pub(super) fn made(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
+    page.push_str("<section><h2>How it was made</h2>");
+    facts(page, trace, made);
+    page.push_str("</section>\n");
+}
+
 /// What was run, and how the page was made.
-pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
+fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
     let h = &trace.header;
     page.push_str("<dl>");
     let frames = trace.each::<event::Frame>().count();
@@ -125,30 +133,31 @@ fn row(name: &str, value: String, unit: &str) -> SummaryRow {
         name: name.to_owned(),
         value,
         unit: unit.to_owned(),
-        limit: None,
         over: false,
     }
 }
 
-fn error_rows(rows: &mut Vec<SummaryRow>, what: &str, space: &str, errors: Option<Errors>) {
+fn error_rows(rows: &mut Vec<SummaryRow>, what: &str, errors: Option<Errors>) {
     let text = |pick: fn(Errors) -> u64| {
         errors.map_or_else(|| "\u{2013}".to_owned(), |e| milli_u(pick(e)))
     };
-    let unit = format!("mm, {space}");
-    rows.push(row(&format!("{what}, RMSE"), text(|e| e.rmse_um), &unit));
-    rows.push(row(&format!("{what}, largest"), text(|e| e.max_um), &unit));
+    rows.push(row(&format!("{what}, RMSE"), text(|e| e.rmse_um), "mm"));
+    rows.push(row(&format!("{what}, largest"), text(|e| e.max_um), "mm"));
 }
 
 fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let mut rows = Vec::new();
     let path = measure::path_error(trace);
-    error_rows(&mut rows, "path error", "sensor", path);
+    error_rows(&mut rows, "path error on the sensor", path);
     rows.push(row(
         "frames with one true place",
         path.map_or(0, |e| e.count).to_string(),
         "",
     ));
-    if let Some(level) = felt_level(trace) {
+    let level = felt_level(trace);
+    // Where no onset was to be felt, none broke and nothing was measured.
+    let counted = |count: u64| level.map_or_else(|| "\u{2013}".to_owned(), |_| count.to_string());
+    if let Some(level) = level {
         let who = format!("{} on {}", trace.header.person, trace.header.preset);
         for (what, mdb) in [("median", level.median_mdb), ("5 %", level.p5_mdb)] {
             let what = format!("felt level over threshold, {what} ({who})");
@@ -161,15 +170,16 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     for score in felt_scores(trace) {
         let what = format!("felt error by {}", score.perceiver);
         let errors = score.errors.filter(|_| known);
-        error_rows(&mut rows, &what, "display", errors);
-        rows.push(row(
+        error_rows(&mut rows, &what, errors);
+        let jumps = row(
             &format!("jumps by {}", score.perceiver),
-            score.jumps.to_string(),
+            counted(score.jumps),
             "onsets",
-        ));
+        );
+        rows.push(jumps);
         breaks = score.breaks;
     }
-    let mut broken = row("breaks", breaks.to_string(), "onsets");
+    let mut broken = row("breaks", counted(breaks), "onsets");
     broken.over = breaks > 0;
     rows.push(broken);
     for (name, (least, most)) in energies(trace).into_iter().flatten() {
@@ -188,27 +198,17 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         times.map_or_else(|| "\u{2013}".to_owned(), |t| format!("{:.2}", pick(t)))
     };
     rows.push(row("time per frame, median", time(|t| t.median), "us"));
-    let mut p99 = row("time per frame, p99", time(|t| t.p99), "us");
-    p99.limit = scan_us(trace).map(|us| format!("{us:.0}, one scan"));
-    rows.push(p99);
+    let scan = scan_us(trace).map_or_else(String::new, |us| format!(" (a scan takes {us:.0} us)"));
+    let p99 = format!("time per frame, p99{scan}");
+    rows.push(row(&p99, time(|t| t.p99), "us"));
     rows.extend(extras.summary.iter().cloned());
     rows
 }
 
 /// What came out, beside what was spent and allowed.
 pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
-    let columns = [
-        ("", "measured"),
-        ("num", "value"),
-        ("", "unit"),
-        ("", "limit"),
-    ];
-    let row = |r: SummaryRow| {
-        (
-            r.over,
-            vec![r.name, r.value, r.unit, r.limit.unwrap_or_default()],
-        )
-    };
+    let columns = [("", "measured"), ("num", "value"), ("", "unit")];
+    let row = |r: SummaryRow| (r.over, vec![r.name, r.value, r.unit]);
     let rows = results(trace, extras).into_iter().map(row);
     let _ = writeln!(
         page,
@@ -219,9 +219,51 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
     page.push_str("</div>\n");
 }
 
-/// A value of the ledger, of a bounded width: what is larger than a million is not told to the digit.
+/// How far the felt level reaches over what is not measured; nothing where that is not known.
+pub(super) fn band(page: &mut String, rows: &[BandRow]) {
+    let Some(first) = rows.first() else {
+        return;
+    };
+    let columns = [
+        ("", "wires"),
+        ("", "person"),
+        ("num", "level [dB]"),
+        ("num", "error [mm]"),
+    ];
+    let row = |of: &BandRow| {
+        let [low, high] = of.level_db;
+        let error = of
+            .error_mm
+            .map_or_else(|| "\u{2013}".to_owned(), |mm| format!("{mm:.2}"));
+        let level = format!("{low:+.1} to {high:+.1}");
+        (
+            high < 0.0,
+            vec![of.wires.clone(), of.person.clone(), level, error],
+        )
+    };
+    let [low, high] = first.gain;
+    let _ = writeln!(
+        page,
+        "<section><h2>Felt band</h2><p class=\"sub\">The median level over what is not measured: how the wires lie, the \
+         person, and a gain from a wire's length to the skin from {low} to {high}. Red is felt with no gain of \
+         these. The error is RMSE by energy.</p>{}</section>",
+        table(&columns, rows.iter().map(row))
+    );
+}
+
+/// A value of the ledger, of a bounded width: what is larger than a million is not told to the digit, and no temperature beyond
+/// the model.
 fn short(figure: &Figure) -> String {
+    let most_c = match figure.name.as_str() {
+        "hottest wire" => model::WIRE_C,
+        _ => model::TISSUE_C,
+    };
     match figure.value {
+        Some(milli)
+            if figure.unit == "C" && model::known(milli as f64 * 1e-3, most_c).is_none() =>
+        {
+            format!("> {most_c:.0}")
+        }
         Some(milli) if milli > 1_000_000_000 => "> 1e6".to_owned(),
         value => figure.text(value),
     }

@@ -68,11 +68,19 @@ fn a_run_becomes_one_page_that_needs_nothing() {
     show("report.html", &page);
     assert!(page.contains("EMULATED") && page.contains("196.888"));
     assert!(page.contains("hil run &lt;a&gt; &amp; b"));
+    let places = [
+        "class=\"verdict",
+        "<dl class=\"result\">",
+        "<svg",
+        "<table>",
+        "<dl>",
+    ];
     let at = |text: &str| page.find(text).unwrap();
     assert!(
-        at("class=\"verdict") < at("<dl>") && at("<svg") < at("<table>"),
-        "pictures before tables"
+        places.is_sorted_by_key(|text| at(text)),
+        "the result, pictures, tables, how it was made"
     );
+    assert!(at("Contact path") < at("Felt path") && at("Felt path") < at("Felt level and error"));
     assert!(page.contains("wall time") && page.contains("path error"));
     assert!(page.len() < 1_000_000, "{} bytes", page.len());
 }
@@ -102,6 +110,94 @@ fn frames_are_drawn_as_far_as_they_are_known() {
     }
     let page = report_html(&trace, &timed);
     assert!(!page.contains(section) && page.contains("Contact path on the sensor"));
+}
+
+/// What stands between two texts.
+fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    let (_, rest) = page.split_once(from).unwrap();
+    rest.split_once(to).unwrap().0
+}
+
+#[test]
+fn the_result_counts_what_is_felt_and_marks_what_is_not() {
+    let mut trace = synthetic::circle(3);
+    let tiles = |trace: &Trace| {
+        let page = report_html(trace, &ReportExtras::default());
+        between(&page, "<dl class=\"result\">", "</dl>").to_owned()
+    };
+    let (all, felt) = trace
+        .each::<event::Felt>()
+        .fold((0, 0), |(all, felt), onset| {
+            (all + 1, felt + usize::from(onset.is_felt()))
+        });
+    assert!(all > 10);
+    let shown = tiles(&trace);
+    assert!(
+        shown.contains(&format!(
+            "<dd>{felt} of {all} <small>onsets with one contact"
+        )),
+        "{shown}"
+    );
+    assert_eq!(
+        shown.contains("<div class=\"warns\"><dt>felt</dt>"),
+        felt < all
+    );
+    for event in &mut trace.events {
+        if let Event::Felt(onset) = event {
+            onset.met = None;
+        }
+    }
+    let silent = tiles(&trace);
+    assert!(silent.contains(&format!(
+        "<div class=\"warns\"><dt>felt</dt><dd>0 of {all} "
+    )));
+    // Without an onset there is nothing to count, and no plot.
+    trace
+        .events
+        .retain(|event| !matches!(event, Event::Felt(_)));
+    assert!(!tiles(&trace).contains("<dt>felt"));
+    let page = report_html(&trace, &ReportExtras::default());
+    assert!(!page.contains("Felt level and error"));
+}
+
+#[test]
+fn the_band_is_a_table() {
+    let trace = synthetic::circle(1);
+    let row = |wires: &str, level_db, error_mm| BandRow {
+        wires: wires.to_owned(),
+        person: "<typical>".to_owned(),
+        gain: [2.4, 9.0],
+        level_db,
+        error_mm,
+    };
+    let band = [
+        row("taut", [-22.2, -10.7], Some(0.656)),
+        row("loose", [-0.8, 10.6], None),
+    ];
+    let extras = ReportExtras {
+        band: &band,
+        ..ReportExtras::default()
+    };
+    let page = report_html(&trace, &extras);
+    sound(&page);
+    let table = between(&page, "<h2>Felt band</h2>", "</section>");
+    let level = "<td class=\"num\">-22.2 to -10.7</td><td class=\"num\">0.66</td>";
+    assert!(
+        table.contains("from 2.4 to 9") && table.contains(level),
+        "{table}"
+    );
+    let taut = "<tr class=\"over\"><td>taut</td><td>&lt;typical&gt;</td>";
+    assert!(table.contains(taut) && table.contains("<tr><td>loose</td>"));
+    assert!(page.contains("band -22.2 to +10.6 dB"));
+}
+
+#[test]
+fn a_table_of_many_columns_names_each_cell() {
+    let columns = [("", "a & b"), ("num", "c")];
+    let row = || [(false, vec!["x".to_owned(), "1".to_owned()])];
+    let wide = page::wide(&columns, row());
+    assert!(wide.contains("<td data-l=\"a &amp; b\">x</td><td class=\"num\" data-l=\"c\">1</td>"));
+    assert!(!page::table(&columns, row()).contains("data-l"));
 }
 
 #[test]

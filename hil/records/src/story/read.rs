@@ -118,8 +118,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Reads a golden of any kind, with insta's heading or without.
+/// Reads a golden of any kind, with insta's heading or without, behind a byte order mark or none.
 pub(super) fn read(text: &str) -> Result<Story, Damage> {
+    let text = text.trim_start_matches('\u{FEFF}');
     let mut reader = Reader {
         lines: text.lines().map(str::trim_end).collect(),
         next: 0,

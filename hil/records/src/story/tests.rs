@@ -86,6 +86,17 @@ fn a_text_is_read_back_as_the_story_it_was() {
     assert_eq!(read.text(), long.text());
 }
 
+/// As Git and editors of other systems leave it.
+#[test]
+fn a_golden_behind_a_mark_with_lines_of_windows_is_the_same_golden() {
+    let plain = schedule_golden(&synthetic::circle(1));
+    let snapshot = format!("---\nsource: x\n---\n{plain}");
+    for text in [&plain, &snapshot] {
+        let windows = format!("\u{FEFF}{}", text.replace('\n', "\r\n"));
+        assert_eq!(Story::read(&windows).unwrap(), Story::read(text).unwrap());
+    }
+}
+
 #[test]
 fn a_model_change_leaves_the_contact_golden_alone() {
     let trace = synthetic::circle(3);

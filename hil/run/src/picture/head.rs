@@ -63,7 +63,7 @@ impl Head {
             renderer: style_word(scene.illusion.render),
             person: setup.person.value.name.clone(),
             wire: setup.wire.value.name.clone(),
-            contacts_most: scene.compression.kc,
+            contacts_most: scene.compression.most_contacts(),
             observed: setup.is_observed(),
             rate_hz: scene.rate_hz,
             soa_us: header.soa_us,

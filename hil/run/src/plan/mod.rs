@@ -371,6 +371,7 @@ pub fn untextured(
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+                growth: u16::try_from(scene.compression.kc_touches).unwrap_or(u16::MAX),
                 scope: scene.compression.scope,
                 norm: scene.compression.norm,
                 exponent: scene.compression.weight_exponent as f32,

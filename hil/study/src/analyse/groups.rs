@@ -5,7 +5,7 @@ use palpate_core::statistics::{median, quantile};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
-use crate::compare::test;
+use crate::compare::{LEVEL, least_p, test};
 use crate::quest::Estimate;
 
 /// Samples that are drawn anew for an interval.
@@ -28,10 +28,28 @@ pub struct Comparison {
     pub u: f64,
     /// Probability of a difference at least as large if there is none.
     pub p: f64,
+    /// The least that it could have been with so many people.
+    pub least_p: f64,
     /// Rank-biserial correlation, 2 U / (n m) - 1: 1 where all of the second are larger.
     pub effect: Estimate,
     /// Difference of the medians.
     pub difference: Estimate,
+}
+
+impl Comparison {
+    /// Why it says nothing, whatever was rated; none where there are people enough.
+    #[must_use]
+    pub fn says_nothing(&self) -> Option<String> {
+        let [first, second] = self.counts;
+        too_few(&format!("{first} against {second} people"), self.least_p)
+    }
+}
+
+/// Why so many people say nothing; none where some outcome would.
+pub(super) fn too_few(people: &str, least_p: f64) -> Option<String> {
+    (least_p >= LEVEL).then(|| {
+        format!("{people} say nothing: no answers of so few differ at p below {least_p:.2}")
+    })
 }
 
 fn middle(values: &[f64]) -> f64 {
@@ -106,6 +124,7 @@ pub fn compared(
         medians: groups.map(middle),
         u,
         p,
+        least_p: least_p(groups.map(<[f64]>::len)),
         effect: bootstrap(&groups, |anew| effect(&anew[0], &anew[1]))?,
         difference: bootstrap(&groups, |anew| middle(&anew[1]) - middle(&anew[0]))?,
     })

@@ -14,6 +14,7 @@ pub use groups::{Comparison, compared, median_within, proportion, sign_test};
 pub use paths::{PathError, compare_paths};
 pub use tables::{AnalysisTable, tables};
 
+use crate::compare::least_sign_p;
 use crate::psychometric::Psychometric;
 use crate::quest::Estimate;
 use crate::record::{Record, RecordError};
@@ -130,6 +131,17 @@ pub struct Chosen {
     pub people: [u64; 2],
     /// Probability of so uneven a number of people where they have no preference (sign test).
     pub p: f64,
+    /// The least that it could have been with so many people.
+    pub least_p: f64,
+}
+
+impl Chosen {
+    /// Why it says nothing, whatever was chosen; none where there are people enough.
+    #[must_use]
+    pub fn says_nothing(&self) -> Option<String> {
+        let people: u64 = self.people.iter().sum();
+        groups::too_few(&format!("{people} people with a preference"), self.least_p)
+    }
 }
 
 impl Analysis {
@@ -402,6 +414,7 @@ fn choices(protocol: &Protocol, records: &[Record]) -> Vec<Chosen> {
             part: proportion(yes, all),
             people,
             p: sign_test(people[0], people[0] + people[1]),
+            least_p: least_sign_p(people[0] + people[1]),
         }
     };
     pairs.map(of).collect()

@@ -53,12 +53,12 @@ pub fn tables(of: &Analysis) -> Vec<AnalysisTable> {
         ),
         table(
             "comparisons.csv",
-            "scale,first,second,people_first,people_second,u,p,effect,effect_low,effect_high",
+            "scale,first,second,people_first,people_second,u,p,effect,effect_low,effect_high,least_p",
             comparisons(of),
         ),
         table(
             "choices.csv",
-            "first,second,part_second,low,high,people_second,people_first,p",
+            "first,second,part_second,low,high,people_second,people_first,p,least_p",
             choices(of),
         ),
         table("confusion.csv", "wire,taken_for,answers", confusion(of)),
@@ -111,7 +111,9 @@ fn comparisons(of: &Analysis) -> Vec<Vec<String>> {
     let cells = |c: &Comparison| {
         let [first, second] = &c.counts;
         let cells: [&dyn Display; 7] = [&c.of, &c.first, &c.second, first, second, &c.u, &c.p];
-        with_estimate(&cells, Some(&c.effect))
+        let mut cells = with_estimate(&cells, Some(&c.effect));
+        cells.push(c.least_p.to_string());
+        cells
     };
     of.comparisons.iter().map(cells).collect()
 }
@@ -120,7 +122,7 @@ fn choices(of: &Analysis) -> Vec<Vec<String>> {
     let cells = |c: &Chosen| {
         let ([first, second], [people_second, people_first]) = (&c.pair, &c.people);
         let mut cells = with_estimate(&[first, second], c.part.as_ref());
-        cells.extend(row(&[people_second, people_first, &c.p]));
+        cells.extend(row(&[people_second, people_first, &c.p, &c.least_p]));
         cells
     };
     of.choices.iter().map(cells).collect()

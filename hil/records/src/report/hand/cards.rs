@@ -7,6 +7,7 @@ use super::{FingerReport, HandReport, link};
 use crate::felt::{felt_level, felt_scores};
 use crate::margin::Margin;
 use crate::measure::path_error;
+use crate::model;
 use crate::report::page::table;
 use crate::report::svg::escape;
 use crate::report::tables::meter;
@@ -51,7 +52,10 @@ fn card(page: &mut String, hand: &HandReport<'_>, finger: &FingerReport<'_>) {
             "C" => "\u{b0}C",
             unit => unit,
         };
-        let worst = format!("{:.1} {unit}", margin.worst());
+        let worst = match margin.is_beyond() {
+            true => format!("> {:.0} {unit}", model::TISSUE_C),
+            false => format!("{:.1} {unit}", margin.worst()),
+        };
         let used = meter(margin.used_milli_percent());
         let cells = vec![margin.of.name().to_owned(), worst, used];
         (margin.over(), cells)
@@ -124,7 +128,11 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
             error.map_or_else(none, |e| mm(e.rmse_um)),
             "mm",
         ),
-        ("breaks", energy.breaks.to_string(), "onsets"),
+        (
+            "breaks",
+            level.map_or_else(none, |_| energy.breaks.to_string()),
+            "onsets",
+        ),
         ("stimuli", driven.stimuli.to_string(), ""),
         ("limiter events", driven.limiter_events.to_string(), ""),
         (
@@ -134,7 +142,9 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
         ),
     ];
     if let Some(hottest) = skin.max() {
-        let hottest = format!("{:.1}", f64::from(hottest) * 1e-3);
+        let hottest = model::known(f64::from(hottest) * 1e-3, model::TISSUE_C);
+        let beyond = || format!("> {:.0}", model::TISSUE_C);
+        let hottest = hottest.map_or_else(beyond, |c| format!("{c:.1}"));
         rows.push(("skin at onsets, hottest", hottest, "\u{b0}C"));
     }
     rows

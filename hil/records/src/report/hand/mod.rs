@@ -71,12 +71,9 @@ pub fn hand_html(hand: &HandReport<'_>) -> String {
     drawing::section(&mut page, hand);
     lanes::section(&mut page, hand);
     cards::section(&mut page, hand);
-    let _ = writeln!(page, "<div class=\"pair\">");
     tables::ledger(&mut page, hand.trace);
-    page.push_str("<section><h2>How it was run</h2>");
-    tables::facts(&mut page, hand.trace, hand.made);
-    page.push_str("</section></div>\n");
     tables::events(&mut page, hand.trace);
+    tables::made(&mut page, hand.trace, hand.made);
     page + &foot(hand.trace, "")
 }
 

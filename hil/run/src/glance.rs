@@ -1,0 +1,149 @@
+//! What a run came to at a glance: eight lines of 80 columns, the verdict last.
+
+use std::io::{self, Write};
+
+use palpate_records::verdict::Verdict;
+
+use crate::summary::Summary;
+
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+
+impl Summary {
+    /// Eight lines of 80 columns for a person, or all figures where `long`; then the files that were `written`, and the
+    /// verdict. Reasons beside the verdict's own have lines of their own. A terminal gets colours.
+    ///
+    /// # Errors
+    /// What the stream says.
+    pub fn write(
+        &self,
+        out: &mut dyn Write,
+        (long, colored): (bool, bool),
+        written: &[String],
+    ) -> io::Result<()> {
+        if long {
+            self.write_long(out)?;
+        } else {
+            writeln!(out, "{}", fitted(&self.heading()))?;
+            for (name, value) in self.glance() {
+                writeln!(out, "{}", fitted(&format!("  {name:<16}{value}")))?;
+            }
+        }
+        for path in written {
+            writeln!(out, "  {:<16}{path}", "wrote")?;
+        }
+        let columns = if long { usize::MAX } else { COLUMNS };
+        self.conclusion.write_last(out, columns, colored)
+    }
+
+    fn heading(&self) -> String {
+        let Self { scene, bench, .. } = self;
+        let length = match self.source.is_emulated() {
+            true => format!("{:.1} s emulated in {:.2} s", self.sim_s, self.wall_s),
+            false => format!("{:.1} s on hardware", self.sim_s),
+        };
+        format!("{scene} on {bench}, seed {}: {length}", self.seed)
+    }
+
+    fn glance(&self) -> [(&'static str, String); 6] {
+        let session = match self.stimuli {
+            0 => "- (no wire was driven)".to_owned(),
+            _ => self.session_words(),
+        };
+        [
+            ("path error", self.path_words()),
+            ("felt", self.felt_words()),
+            ("felt error", self.felt_error_words()),
+            ("hottest skin", self.skin_words()),
+            ("longest session", session),
+            ("next", self.next().to_owned()),
+        ]
+    }
+
+    /// The path error beside the pitch that it is to be held against.
+    fn path_words(&self) -> String {
+        let error = match &self.path_error_mm {
+            Some(e) => format!("{:.2} mm RMSE, {:.2} at most", e.rmse, e.max),
+            None => "- (no true path known)".to_owned(),
+        };
+        let pitch = self.pitch_mm.map_or_else(String::new, |mm| match mm {
+            ..1.0 => format!("; pitch {mm:.2} mm"),
+            _ => format!("; pitch {mm:.1} mm"),
+        });
+        let off = match self.onsets.off_percent() {
+            None | Some(0) => String::new(),
+            Some(percent) => format!("; {percent} % off pad"),
+        };
+        format!("{error}{pitch}{off}")
+    }
+
+    /// The share of onsets that were felt, how strongly, and how far that reaches over what is not measured.
+    fn felt_words(&self) -> String {
+        let meant = self.onsets.meant;
+        let Some(percent) = self.onsets.felt_percent() else {
+            return match self.onsets.felt {
+                Some(_) => "- (nothing was to be felt)".to_owned(),
+                None => "- (no person is emulated)".to_owned(),
+            };
+        };
+        let s = if meant == 1 { "" } else { "s" };
+        let level = self.felt.level_db.as_ref();
+        let level = level.map_or_else(String::new, |l| format!(", {:+.1} dB median", l.median));
+        let band = self.felt.band.as_ref().map_or_else(String::new, |band| {
+            let [low, high] = band.level_db;
+            format!(", band {low:+.1} to {high:+.1} dB")
+        });
+        format!("{percent} % of {meant} onset{s}{level}{band}")
+    }
+
+    fn felt_error_words(&self) -> String {
+        let felt = &self.felt_error_mm;
+        let Some(all) = &felt.everywhere else {
+            return "- (nothing felt on a known path)".to_owned();
+        };
+        let inside = match (felt.rmse, felt.onsets) {
+            (Some(rmse), 1) => format!("{rmse:.2} inside the wires (1 onset)"),
+            (Some(rmse), n) => format!("{rmse:.2} inside the wires ({n} onsets)"),
+            (None, _) => "no onset inside the wires".to_owned(),
+        };
+        format!("{:.2} mm RMSE over all, {inside}", all.rmse)
+    }
+
+    /// What to do next.
+    fn next(&self) -> &'static str {
+        match self.conclusion.verdict {
+            Verdict::BeyondTheModel => {
+                "a person would be burnt: docs/faults.md, then drive and faults"
+            }
+            Verdict::LimitExceeded => "--html run.html shows when; docs/guard.md has every row",
+            Verdict::Failed => "`hil doctor` finds what does not answer",
+            Verdict::Stopped => "`hil doctor` shows what is stopped; else run it again",
+            Verdict::Incomplete => "`hil doctor` asks every board; docs/bench.md",
+            Verdict::NotFelt if self.onsets.unfound == self.onsets.meant => {
+                "press harder, or lower threshold_margin: docs/files/scene.md"
+            }
+            Verdict::NotFelt if self.limiter_events > 0 => {
+                "--html run.html shows each limit met; try --illusion inverse"
+            }
+            Verdict::NotFelt => "--long has levels and limits, docs/felt.md what they hang on",
+            Verdict::OffThePad => "move the touches, or [map]: docs/files/scene.md",
+            Verdict::Ok => "--html run.html plays it; --long has every figure",
+        }
+    }
+}
+
+/// A line without its middle, where it is wider than a terminal.
+fn fitted(line: &str) -> String {
+    let count = line.chars().count();
+    if count <= COLUMNS {
+        return line.to_owned();
+    }
+    let kept = COLUMNS - 3;
+    let head: String = line.chars().take(kept / 2).collect();
+    let tail: String = line.chars().skip(count - kept.div_ceil(2)).collect();
+    format!("{head}...{tail}")
+}
+
+#[cfg(test)]
+#[path = "glance_tests.rs"]
+mod tests;
