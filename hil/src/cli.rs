@@ -9,6 +9,7 @@ mod identify;
 mod meant;
 mod names;
 pub(crate) mod ranges;
+mod serve;
 mod study;
 mod sweep;
 mod texture;
@@ -25,7 +26,9 @@ pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
     ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire, Shelf,
 };
-pub use hardware::{DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, RecordArgs, ReplayArgs};
+pub use hardware::{
+    DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, PulseArgs, RecordArgs, ReplayArgs,
+};
 pub use help::{command, shown};
 pub use identify::{IdentifyArgs, SignalArg};
 pub use meant::meant;
@@ -33,6 +36,7 @@ pub use names::{VARIABLE, complete};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
+pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
@@ -41,15 +45,16 @@ pub use texture::{
 };
 pub use unit::{UnitArgs, UnitOn};
 
-/// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
+/// Tactile feedback with hardware in the loop: robot skin to wires on a finger.
 #[derive(Debug, Parser)]
 #[command(name = "hil", version)]
 pub struct Cli {
     /// What to do; without a command, `hil run` of the default scene.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// When error messages are coloured. `auto`: on a terminal, unless NO_COLOR is set.
+    /// Colours: auto (a terminal, no NO_COLOR), always, never.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = Color::Auto)]
+    #[arg(hide_default_value = true, hide_possible_values = true)]
     pub color: Color,
 }
 
@@ -218,6 +223,10 @@ pub enum Command {
     Study(StudyAction),
     /// Say what this machine has and lacks, and which commands add it.
     Doctor(DoctorArgs),
+    /// Heat one wire of a bench once, by the smallest pulse.
+    ///
+    /// Its bursts are felt. The first thing to do with a new bench; asks before.
+    Pulse(PulseArgs),
     /// Switch everything off on a bench, from any state.
     ///
     /// What was found is reported.
@@ -374,51 +383,6 @@ pub struct RunArgs {
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
     #[arg(long, value_name = "NAME|FILE")]
     pub person: Option<String>,
-}
-
-/// Options of `hil serve`.
-#[derive(Debug, Args)]
-pub struct ServeArgs {
-    /// A built-in scene or a file (default: sphere-along), or one or two recordings of runs (.mcap), or folders with them.
-    #[arg(value_name = "SCENE|FILE", num_args = 0..=2)]
-    pub what: Vec<String>,
-    /// On which bench.
-    #[command(flatten)]
-    pub on: Buses,
-    /// Where: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
-    #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
-    pub at: SocketAddr,
-    /// Open the page in this computer's browser (xdg-open).
-    #[arg(long)]
-    pub open: bool,
-    /// Begin a scene anew whenever its run is over, until Ctrl-C or STOP. Emulated benches only.
-    #[arg(long = "loop")]
-    pub again: bool,
-    /// How much it says.
-    #[command(flatten)]
-    pub voice: Voice,
-}
-
-impl From<ServeArgs> for RunArgs {
-    fn from(args: ServeArgs) -> Self {
-        let ServeArgs {
-            what,
-            on,
-            at,
-            open,
-            again,
-            voice,
-        } = args;
-        Self {
-            scene: what.into_iter().next(),
-            on,
-            voice,
-            open,
-            again,
-            serve: Some(at),
-            ..Self::default()
-        }
-    }
 }
 
 /// What to do with rows that repeat the one before.

@@ -79,6 +79,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Some(Command::Doctor(args)) => command::doctor(&args),
         Some(Command::Record(args)) => command::record(&args),
         Some(Command::Replay(args)) => command::replay(&args),
+        Some(Command::Pulse(args)) => command::pulse(&args),
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return Ok(command::guardian(args)),
         Some(Command::Texture(action)) => command::texture(&action),

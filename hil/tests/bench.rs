@@ -33,6 +33,8 @@ mod names;
 mod off;
 #[path = "bench/overrun.rs"]
 mod overrun;
+#[path = "bench/pulse.rs"]
+mod pulse;
 #[path = "bench/rig.rs"]
 mod rig;
 #[path = "bench/run.rs"]

@@ -31,6 +31,8 @@ mod mistakes;
 mod outputs;
 #[path = "cli/project.rs"]
 mod project;
+#[path = "cli/pulse.rs"]
+mod pulse;
 #[path = "cli/readers.rs"]
 mod readers;
 #[path = "cli/records.rs"]

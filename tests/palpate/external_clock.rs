@@ -62,6 +62,7 @@ fn an_external_clock_that_stops_in_mid_pulse_leaves_the_wire_on() {
     // The chip takes writes, and none of them reaches an output before the clock is back.
     let longest = widths_ns(&stopped).into_iter().max().unwrap();
     assert!((30_000_000..30_300_000).contains(&longest), "{longest}");
-    assert_eq!(stopped.summary.conclusion.verdict, Verdict::LimitExceeded);
+    // A wire that is on for so long passes 400 C.
+    assert_eq!(stopped.summary.conclusion.verdict, Verdict::BeyondTheModel);
     assert!(outputs_are_off(&stopped));
 }

@@ -92,7 +92,11 @@ impl<T: Settings> Loaded<T> {
     /// # Errors
     /// Names the line and key of what cannot be.
     pub fn read(source: Source) -> Result<Self, FileError> {
-        let value = T::of(&source).map_err(|error| elsewhere(T::KIND, error))?;
+        let value = T::of(&source).map_err(|error| match cfg!(target_family = "wasm") {
+            // Nobody types keys in a browser's page, and schemas would be a fourteenth of what it loads.
+            true => error,
+            false => elsewhere(T::KIND, error),
+        })?;
         Ok(Self { value, source })
     }
 

@@ -81,7 +81,7 @@ fn what_is_no_ordinary_file_is_refused_at_once() {
     let said = |path: &Path| read_bytes(path, "a scene", 1000).unwrap_err().to_string();
     assert!(said(&folder).ends_with("expected a scene, found a folder"));
     assert!(said(Path::new("/dev/zero")).contains("found a device"));
-    assert!(said(&folder.join("none")).contains("No such file"));
+    assert!(said(&folder.join("none")).contains("no such file"));
     assert!(said(&sparse).ends_with("a scene of at most 1000 bytes, found 6442450944 bytes"));
     let found = Lines::open(&sparse, "a log", 1000).unwrap_err().found;
     assert_eq!(found, "NUL bytes");

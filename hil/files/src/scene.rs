@@ -206,7 +206,9 @@ impl Scene {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let mut scene: Self = source.read()?;
         source.heading(&scene.name, &scene.description)?;
-        wants::check(&scene, source)?;
+        if let Some(wanted) = &scene.wants {
+            wants::check(wanted, source)?;
+        }
         bounds!(source, "", scene; length_s: 0.01..=86_400.0, "s")?;
         for touch in &mut scene.touches {
             touch.last(scene.length_s);

@@ -22,9 +22,9 @@ fn what_binary_fractions_leave_behind_is_not_written() {
         (34.860757209, "34.860757209"),
         (0.0, "0.0"),
         (-0.0, "-0.0"),
-        (1e300, "1e300"),
+        (1e300, "1e+300"),
         (5e-324, "5e-324"),
-        (f64::MAX, "1.79769313486e308"),
+        (f64::MAX, "1.79769313486e+308"),
     ] {
         assert_eq!(text(&json!(value)), written);
     }
@@ -44,7 +44,7 @@ fn no_number_moves_by_more_than_its_twelfth_digit() {
         assert!(off <= value * 1e-7, "{value}");
         let near_single = f64::from(value as f32).total_cmp(&value).is_eq();
         assert!(near_single || off <= value * 1e-11, "{value}");
-        assert_eq!(rounded(-value), -rounded(value));
+        assert_eq!(rounded(-value).to_bits(), (-rounded(value)).to_bits());
     }
 }
 

@@ -178,8 +178,12 @@ impl Conclusion {
     }
 }
 
+/// Columns of a terminal.
+pub const COLUMNS: usize = 80;
+
 /// A text in lines of so many columns at most, where its words allow; those after the first are indented.
-fn wrapped(text: &str, columns: usize) -> String {
+#[must_use]
+pub fn wrapped(text: &str, columns: usize) -> String {
     let start = text.len() - text.trim_start().len();
     let (mut out, mut filled) = (text[..start].to_owned(), start);
     for (index, word) in text.split_whitespace().enumerate() {

@@ -2,12 +2,9 @@
 
 use std::io::{self, Write};
 
-use palpate_records::verdict::Verdict;
+use palpate_records::verdict::{COLUMNS, Verdict};
 
 use crate::summary::Summary;
-
-/// Columns of a terminal.
-const COLUMNS: usize = 80;
 
 impl Summary {
     /// Eight lines of 80 columns for a person, or all figures where `long`; then the files that were `written`, and the
@@ -27,6 +24,9 @@ impl Summary {
             writeln!(out, "{}", fitted(&self.heading()))?;
             for (name, value) in self.glance() {
                 writeln!(out, "{}", fitted(&format!("  {name:<16}{value}")))?;
+            }
+            if let Some(unknown) = self.texture.as_ref().and_then(|t| t.unknown()) {
+                writeln!(out, "{}", fitted(&format!("  {:<16}{unknown}", "texture")))?;
             }
         }
         for path in written {

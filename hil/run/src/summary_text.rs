@@ -252,7 +252,12 @@ impl Summary {
             format!(", limit {:.1} C{passed}", m.limit())
         });
         let tissue = model::words(self.hottest_skin_c, model::TISSUE_C);
-        format!("{tissue}{limit} (modelled, 0.1 mm deep)")
+        let known = |celsius: f64| model::known(celsius, model::TISSUE_C);
+        let depth = match self.hottest_skin_c.and_then(known) {
+            Some(_) => " (modelled, 0.1 mm deep)",
+            None => "",
+        };
+        format!("{tissue}{limit}{depth}")
     }
 
     /// The longest session of a run that drove something.

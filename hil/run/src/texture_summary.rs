@@ -54,6 +54,12 @@ impl TextureSummary {
         Ok(())
     }
 
+    /// The properties of the surface that lie outside of what the model learned; none where it knows them all.
+    pub(crate) fn unknown(&self) -> Option<String> {
+        let all = self.extrapolated.join(", ");
+        (!all.is_empty()).then(|| format!("EXTRAPOLATED: {all}"))
+    }
+
     /// In one line.
     pub(crate) fn words(&self) -> String {
         let rested = match self.rested_pulses {
@@ -65,10 +71,9 @@ impl TextureSummary {
             1 => "; 1 tap of hardness".to_owned(),
             n => format!("; {n} taps of hardness"),
         };
-        let outside = match &*self.extrapolated {
-            [] => String::new(),
-            all => format!("; EXTRAPOLATED: {}", all.join(", ")),
-        };
+        let outside = self
+            .unknown()
+            .map_or_else(String::new, |all| format!("; {all}"));
         format!(
             "{} windows, roughness {:.2} (mean){taps}{rested}{outside}",
             self.windows, self.roughness

@@ -5,12 +5,16 @@ use crate::{Input, run};
 use palpate_files::{Overrides, Setup, load_bench, load_scene};
 
 fn of(scene: &str, set: &[&str]) -> Conclusion {
+    on("emulated", scene, set)
+}
+
+fn on(bench: &str, scene: &str, set: &[&str]) -> Conclusion {
     let mut overrides = Overrides::default();
     for text in set {
         overrides.set("--set", text).unwrap();
     }
     let scene = load_scene(scene).unwrap().with(&overrides).unwrap();
-    let bench = load_bench("emulated").unwrap();
+    let bench = load_bench(bench).unwrap();
     let setup = Setup::join(scene, bench).unwrap();
     run(&setup, &Input::Scene, 1).unwrap().summary.conclusion
 }
@@ -57,17 +61,10 @@ fn a_touch_that_no_reading_shows_is_not_felt() {
 
 #[test]
 fn a_person_who_feels_less_than_half_decides() {
-    let found = of(
-        "sphere-along",
-        &[
-            "illusion.model=linear",
-            "illusion.person=dull",
-            "length_s=4",
-        ],
-    );
+    let found = on("thesis", "sphere-along", &["length_s=4"]);
     assert_eq!(found.verdict, Verdict::NotFelt, "{found:?}");
     assert!(
-        found.why[0].starts_with("person `dull` feels "),
+        found.why[0].starts_with("person `typical` feels "),
         "{found:?}"
     );
 }

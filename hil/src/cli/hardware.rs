@@ -81,6 +81,32 @@ pub struct OffArgs {
     pub wearer: Vec<String>,
 }
 
+/// Options of `hil pulse`.
+#[derive(Debug, Args)]
+pub struct PulseArgs {
+    /// The wire, counted from 0 in the order of the display, as benches, protocols and records count it.
+    #[arg(value_name = "WIRE", value_parser = whole::<u16, 0, 127>, allow_hyphen_values = true)]
+    pub wire: u16,
+    /// A built-in bench or a file (default: emulated).
+    #[arg(short = 'b', long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Its driver unit.
+    #[command(flatten)]
+    pub unit: UnitOn,
+    /// The display whose wire it is, of a bench of several.
+    #[arg(long, value_name = "DISPLAY")]
+    pub finger: Option<String>,
+    /// Sensor layout of the skin, which has to be heard before a wire is heated.
+    #[arg(long, value_name = "NAME|FILE", default_value = "uskin-4x4")]
+    pub layout: String,
+    /// Heat the wire without a question. Needed where standard input is no terminal.
+    #[arg(long)]
+    pub yes: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
+
 /// Options of the guardian process.
 #[derive(Debug, Args)]
 pub struct GuardianArgs {

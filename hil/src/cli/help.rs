@@ -12,12 +12,12 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Compare", &["diff", "compare", "test", "review"]),
     ("Files of your own", &["list", "new", "check", "export"]),
     ("Recordings", &["contacts", "identify", "record", "replay"]),
-    ("Hardware", &["doctor", "emulate", "unit", "off"]),
+    ("Hardware", &["doctor", "emulate", "unit", "pulse", "off"]),
     ("People, textures, this program", &["study", "texture"]),
 ];
 
 /// Lines that work, by command. `FILE` and its like are never among them: an example is there to be typed.
-pub(super) const EXAMPLES: [(&[&str], &[&str]); 31] = [
+pub(super) const EXAMPLES: [(&[&str], &[&str]); 32] = [
     (
         &[],
         &["hil", "hil run sphere-circle --serve", "hil list scenes"],
@@ -130,6 +130,7 @@ pub(super) const EXAMPLES: [(&[&str], &[&str]); 31] = [
             "hil unit --key unit.key --at 0.0.0.0",
         ],
     ),
+    (&["pulse"], &["hil pulse 3", "hil pulse 3 -b lab.toml"]),
     (
         &["off"],
         &["hil off -b lab.toml", "hil off --i2c /dev/i2c-1"],

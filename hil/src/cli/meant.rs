@@ -98,14 +98,15 @@ fn another_command(
     if path.is_empty() && is_scene(word) {
         return Err(Some(format!("a scene is run by `hil run {word}`")));
     }
-    let names = at.get_subcommands().filter(|c| !c.is_hide_set());
-    if let Some(name) = nearest(word, names.map(Command::get_name)) {
-        return Ok(name.to_owned());
-    }
-    // `hil simulate` stands below `hil study`.
+    // `hil simulate` stands below `hil study`, and is not `hil emulate` misspelt.
     let mut below = all.get_subcommands();
-    let owner = below.find(|c| c.find_subcommand(word).is_some());
-    Err(owner.map(|owner| format!("`hil {} {word}` is a command", owner.get_name())))
+    if let Some(owner) = below.find(|c| c.find_subcommand(word).is_some()) {
+        let owner = owner.get_name();
+        return Err(Some(format!("`hil {owner} {word}` is a command")));
+    }
+    let names = at.get_subcommands().filter(|c| !c.is_hide_set());
+    let near = nearest(word, names.map(Command::get_name));
+    near.map(str::to_owned).ok_or(None)
 }
 
 /// Whether a word names a built-in scene or a file of settings.

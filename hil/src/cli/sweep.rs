@@ -107,6 +107,8 @@ impl Command {
             Self::Test(args) => args.voice.quiet,
             Self::Record(args) => args.voice.quiet,
             Self::Replay(args) => args.voice.quiet,
+            // It asks a question, and lasts a second.
+            Self::Pulse(_) => true,
             Self::Contacts(args) => args.quiet,
             Self::Diff(args) => args.quiet,
             _ => false,

@@ -115,7 +115,7 @@ fn own_stages<'a>(suite: &'a Suite, overrides: &Overrides) -> Result<Vec<Stage<'
 /// Prints what would be tried, a line each: scene, bench, and the goldens that hold it or why it would not be tried.
 ///
 /// # Errors
-/// Settings of a scene that cannot be read, and what [`print`] says.
+/// Settings of a scene that cannot be read, and an output that takes nothing.
 pub(super) fn list(args: &TestArgs, stages: &[Stage], broken: &Broken) -> Result<(), Failure> {
     #[derive(Serialize)]
     struct Listed {

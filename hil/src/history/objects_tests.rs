@@ -43,7 +43,7 @@ fn figures_are_found_by_name_and_timings_are_none() {
     );
     let words: Vec<String> = gone.differences.iter().map(Difference::words).collect();
     assert!(
-        words[0].ends_with("1 -> nothing") && words[1].ends_with("0 -> 1"),
+        words[0].ends_with("1 -> nothing") && words[1].ends_with("0 -> 1 (+1)"),
         "{words:?}"
     );
 }

@@ -283,7 +283,10 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     Try {
         measures,
         wrong,
-        noted: is_noted.then(|| found.clone()).unwrap_or_default(),
+        noted: match is_noted {
+            true => found.clone(),
+            false => Conclusion::default(),
+        },
         halt: unwell.or(stopped),
     }
 }

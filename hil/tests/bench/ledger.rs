@@ -250,7 +250,7 @@ fn a_unit_on_hardware_keeps_a_ledger_of_its_own() {
         let made = bench.start(&["unit", "--new-key", "unit.key"]);
         assert_eq!(made.finish(END).status, Some(0));
         let words = ["unit", "--key", "unit.key", "--bench", "bench.toml"];
-        let words = [&words[..], &["--listen", "127.0.0.1:0", "--quiet"]].concat();
+        let words = [&words[..], &["--at", "127.0.0.1:0", "--quiet"]].concat();
         let unit = bench.start(&words);
         assert!(is_soon(END, || kept(bench, "dose").is_some()
             && kept(bench, "heat").is_some()));

@@ -102,7 +102,7 @@ fn a_stop_holds_for_an_adapter_that_comes_back_under_another_number() {
 fn a_bus_has_one_program_by_every_name() {
     on_bench(1, |bench| {
         let _feed = bench.feed();
-        let run = bench.run(30.0);
+        let run = bench.run(120.0);
         run.wait_until_on();
         for name in names(bench) {
             let said = run_on(bench, &name);

@@ -21,7 +21,7 @@ enum Takes {
 type Options = &'static [(&'static str, Takes)];
 
 /// Commands that are good but for the option that is tried, and their options.
-const COMMANDS: [(&[&str], Options); 25] = [
+const COMMANDS: [(&[&str], Options); 26] = [
     (
         &["run", "scene.toml"],
         &[
@@ -216,6 +216,14 @@ const COMMANDS: [(&[&str], Options); 25] = [
         &[("--recordings", Takes::Named)],
     ),
     (&["doctor"], &[("--bench", Takes::Named)]),
+    (
+        &["pulse", "3", "--yes"],
+        &[
+            ("--bench", Takes::Named),
+            ("--finger", Takes::Named),
+            ("--layout", Takes::Named),
+        ],
+    ),
     (
         &["record", "made.log", "--can", "nocan0"],
         &[("--seconds", Takes::Number), ("--quiet", Takes::Nothing)],

@@ -23,14 +23,14 @@ fn two_summaries_differ_figure_by_figure() {
         same.out
     );
     assert!(
-        same.out.starts_with("OK\n") && same.out.contains(" figures compared, 0 differ"),
+        same.out.starts_with("OK\n") && same.out.contains("\n0 of "),
         "{}",
         same.out
     );
     let other = hil_in(&folder.0, &["compare", "a.json", "b.json"]);
     assert_eq!((other.status, other.err.as_str()), (Some(1), ""));
     assert!(
-        other.out.starts_with("FAILED: ") && other.out.contains("felt_error_mm.rmse"),
+        other.out.starts_with("FAILED: ") && other.out.contains("felt error RMSE mm"),
         "{}",
         other.out
     );

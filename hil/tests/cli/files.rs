@@ -366,7 +366,7 @@ fn exported_taxels_replay_to_the_contacts_of_the_scene() {
     assert!(folder.path("hand-0.csv").is_file() && folder.path("hand-14.csv").is_file());
     refused_with(
         &["export", "taxels", "nowhere", "--out", "x.csv"],
-        &["idle"],
+        &["nowhere", "hil list scenes"],
     );
 }
 

@@ -10,11 +10,9 @@ fn changed(text: &str, from: &str, to: &str) -> String {
 }
 
 #[test]
-fn an_unknown_name_lists_what_there_is() {
-    let mut names: Vec<_> = palpate_fixtures::scene_names().collect();
-    names.push("nowhere");
-    refused_with(&["run", "nowhere"], &names);
-    refused_with(&["run", ""], &["idle"]);
+fn an_unknown_name_says_what_lists_names() {
+    refused_with(&["run", "nowhere"], &["nowhere", "hil list scenes"]);
+    refused_with(&["run", ""], &["hil list scenes"]);
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! The page over a run: who gets it, what it gets, and what it can do.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::process::Child;
 
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::handshake::client::Response;
-use tungstenite::{Message, WebSocket, client};
+use tungstenite::{Error, Message, WebSocket, client};
 
 use super::*;
 
@@ -81,7 +81,7 @@ impl Served {
         }
         match client(request, self.stream()) {
             Ok((socket, _)) => Ok(socket),
-            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(refused))) => {
+            Err(tungstenite::HandshakeError::Failure(Error::Http(refused))) => {
                 let refused: Response = refused.as_ref().clone();
                 Err(refused.status().as_u16())
             }
@@ -109,8 +109,11 @@ impl Served {
 /// What comes next under a key; anything else is passed over.
 pub(super) fn next(page: &mut WebSocket<TcpStream>, key: &str) -> Value {
     loop {
-        let Message::Text(text) = page.read().unwrap() else {
-            continue;
+        let text = match page.read() {
+            Ok(Message::Text(text)) => text,
+            Ok(_) => continue,
+            Err(Error::Io(cause)) if cause.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => panic!("{error}"),
         };
         let value: Value = serde_json::from_str(&text).unwrap();
         if value.get(key).is_some() {
@@ -460,7 +463,7 @@ fn what_is_no_recording_of_a_run_is_not_served() {
     fs::write(folder.path("empty.mcap"), b"").unwrap();
     fs::write(folder.path("torn.mcap"), &fs::read(&whole).unwrap()[..100]).unwrap();
     for (args, words) in [
-        (vec![path("none.mcap")], &["none.mcap", "No such file"][..]),
+        (vec![path("none.mcap")], &["none.mcap", "no such file"][..]),
         (vec![path("empty.mcap")], &["empty.mcap", "an MCAP file"]),
         (vec![path("torn.mcap")], &["torn.mcap", "cut short"]),
         (

@@ -182,10 +182,10 @@ simulated = { rating = { mean = 3.0, sd = 0.5 }, noise = 0.5, difference = 1.0 }
     folder.write("one.toml", text);
     let said = hil_in(&folder.0, &words(&["--simulated"]));
     assert_eq!(said.status, Some(1), "{}", said.err);
-    assert!(said.err.contains("LIMIT EXCEEDED"), "{}", said.err);
+    assert!(said.err.contains("BEYOND THE MODEL"), "{}", said.err);
     let lines = record(&folder);
     let line = lines.last().unwrap();
-    assert!(void(line).unwrap().contains("LIMIT EXCEEDED"), "{line}");
+    assert!(void(line).unwrap().contains("BEYOND THE MODEL"), "{line}");
     let intervals = line["reply"]["trial"]["intervals"].as_array().unwrap();
     assert_eq!(intervals.len(), 1);
     assert_eq!(intervals[0]["stimulus"]["condition"], "stuck");

@@ -93,7 +93,7 @@ fn times_panel(
 /// A dot per value against microseconds. What an eye cannot tell apart is drawn once: a long run costs no more than its
 /// columns.
 pub(super) fn dots(plot: &TimePlot, values: impl Iterator<Item = (u64, f64)>) -> String {
-    let (column, row) = (plot.column(), 130);
+    let (column, row) = (plot.column(), 150);
     let mut seen = BTreeSet::new();
     let mut pen = Pen::default();
     for at in values.filter_map(|(t_us, value)| plot.at(t_us, value)) {

@@ -1,6 +1,7 @@
 //! What scenes want, which bench they get, and which they are refused on.
 
 use super::*;
+use crate::source::Source;
 use crate::{Setup, load_scene};
 
 fn wanting(wanted: &str) -> Result<Loaded<Scene>, FileError> {
