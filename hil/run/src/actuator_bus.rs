@@ -103,11 +103,7 @@ impl ActuatorBus {
                 heat: None,
             }),
         };
-        if last {
-            self.script.finish(now, &mut bench, events);
-        } else {
-            self.script.step(now, &mut bench, events);
-        }
+        self.script.step(now, last, &mut bench, events);
     }
 
     /// When the next fault begins or ends.

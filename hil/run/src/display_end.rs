@@ -420,11 +420,7 @@ impl DisplayEnd for EmulatedDisplay {
                 heat: self.heat.as_ref().map(EmulatedHeat::module),
             }),
         };
-        if last {
-            self.script.finish(now, &mut bench, events);
-        } else {
-            self.script.step(now, &mut bench, events);
-        }
+        self.script.step(now, last, &mut bench, events);
     }
 
     fn next_fault(&self) -> Instant {

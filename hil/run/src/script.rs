@@ -101,8 +101,22 @@ impl Script {
         times.min().unwrap_or(Instant::FAR_FUTURE)
     }
 
-    /// Lets faults begin and end that are due at `now`.
-    pub fn step(&mut self, now: Instant, bench: &mut Faultable<'_>, events: &mut Vec<Event>) {
+    /// Lets faults begin and end that are due at `now`; with `last` those that are on end, and no other begins.
+    pub fn step(
+        &mut self,
+        now: Instant,
+        last: bool,
+        bench: &mut Faultable<'_>,
+        events: &mut Vec<Event>,
+    ) {
+        if last {
+            for n in 0..self.entries.len() {
+                if self.entries[n].state == State::On {
+                    self.close(n, now, bench, events);
+                }
+            }
+            return;
+        }
         if self.next() > now {
             return;
         }
@@ -127,15 +141,6 @@ impl Script {
             }
         }
         self.set_layers(bench);
-    }
-
-    /// Ends the script with the run.
-    pub fn finish(&mut self, now: Instant, bench: &mut Faultable<'_>, events: &mut Vec<Event>) {
-        for n in 0..self.entries.len() {
-            if self.entries[n].state == State::On {
-                self.close(n, now, bench, events);
-            }
-        }
     }
 
     /// What became of every fault.

@@ -105,6 +105,7 @@ impl<'a> Hardware<'a> {
         let mut events = Vec::new();
         self.script.step(
             Instant::from_micros(scene_now.as_micros()),
+            false,
             &mut Faultable {
                 skin: Some(&mut self.skin),
                 display: Some(FaultyDisplay {

@@ -281,12 +281,8 @@ impl Hardware<'_> {
             skin: self.skin.emulated(),
             display: None,
         };
-        if last {
-            self.script.finish(now, &mut bench, &mut self.events);
-        } else {
-            self.script.step(now, &mut bench, &mut self.events);
-        }
         let events = &mut self.events;
+        self.script.step(now, last, &mut bench, events);
         let buses = self.buses.iter_mut().map(|bus| {
             bus.fail(now, last, events);
             bus.next_fault()
