@@ -32,7 +32,6 @@ mod margins;
 mod numbers;
 mod onsets;
 mod output_enable;
-mod pads;
 mod path_error;
 pub mod picture;
 mod piece;

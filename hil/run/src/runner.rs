@@ -1,6 +1,7 @@
 //! Whole runs of scenes and recordings on an emulated bench: a pass that finds intensity levels, a pass that counts.
 
-mod several;
+mod play;
+mod shared;
 
 use std::convert::Infallible;
 use std::time::Duration as Elapsed;
@@ -14,32 +15,20 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
-use palpate_records::felt::FeltPath;
-use palpate_records::margin::sort;
-use palpate_records::readings::Readings;
-use palpate_records::trace::{Header, Ledger};
 
-use crate::actuator_bus::ActuatorBus;
-use crate::display_end::{DisplayEnd, EmulatedDisplay};
-use crate::effort::Effort;
+use crate::display_end::DisplayEnd;
 use crate::failure::Failure;
-use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
-use crate::loops::{build_with, made};
-use crate::piece::Pieces;
-use crate::place::{Place, looking};
+use crate::loops::made;
+use crate::place::looking;
 use crate::plan::Responses;
-use crate::policy::{Policy, refuse_hardware};
-use crate::recorder::{Recorder, Truth, milli_c};
+use crate::policy::refuse_hardware;
+use crate::recorder::Truth;
 use crate::replay::{CanPlayer, Rows};
-use crate::session::{Session, TICK, Turn};
+use crate::session::{Session, TICK};
 use crate::skin_end::{SkinEnd, Tap};
-use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
-use crate::verdict::STOPPED_BY;
-use crate::{
-    Beginning, BusReport, Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin,
-};
+use crate::{Host, Input, Keep, Outcome, TurnView, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -76,7 +65,7 @@ pub fn run_with(
             let levels = dynamic_levels(&setup.scene.value.compression);
             let mut skin = Rows::streamed(rows.as_ref(), &setup.sensor.value, &layout)?;
             let (skin, end) = (&mut skin, scene_end(setup));
-            let ran = run.project(levels, skin, Truth::Unknown, end, host);
+            let ran = run.one(levels, skin, Truth::Unknown, end, host);
             // To the loop a wrong row is a lost bus.
             rows.wrong().map_or(ran, |error| Err(error.into()))
         }
@@ -87,9 +76,10 @@ pub fn run_with(
             };
             run.replay(skin, frames.rows(), frames.end(), host)
         }
-    }?;
+    };
+    host.end();
     let replayed = !matches!(input, Input::Scene);
-    Ok(outcome.concluded(setup, replayed))
+    Ok(outcome?.concluded(setup, replayed))
 }
 
 /// Nothing is driven: for a pass that only looks at contacts.
@@ -111,6 +101,7 @@ impl Actuators for Silence {
 #[derive(Clone, Copy)]
 struct Run<'a> {
     setup: &'a Setup,
+    /// The whole skin's, also where this is one finger's part.
     layout: &'a Layout,
     responses: &'a Responses,
     seed: u64,
@@ -201,7 +192,7 @@ impl Run<'_> {
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
         match self.setup.fingers.is_empty() {
-            true => self.project(levels, skin, truth, end, host),
+            true => self.one(levels, skin, truth, end, host),
             // A page draws one finger, and what joins several is a twentieth of its module.
             false if cfg!(target_family = "wasm") => Err(Failure::Input(format!(
                 "bench `{}`: expected one display in a page; `hil run` has all of them",
@@ -209,172 +200,6 @@ impl Run<'_> {
             ))),
             false => self.several(&levels, skin, &truth, end, host),
         }
-    }
-
-    /// The loop between a skin and an emulated display that has not begun.
-    fn assemble<S: SkinEnd>(
-        &self,
-        levels: Levels,
-        skin: S,
-        truth: Truth,
-        place: (Place, Option<&ActuatorBus>),
-        host: &dyn Host,
-    ) -> Result<(Header, Session<S, EmulatedDisplay>), Failure> {
-        let projector = build_with(self.setup, self.seed, levels, self.responses)?;
-        let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
-        display.keep(self.keep)?;
-        let mut recorder = Recorder::new(truth, projector.layout());
-        recorder.joints.clone_from(&self.setup.scene.value.joints);
-        recorder.counts = host.looks_on().then(Vec::new);
-        let drives = self.setup.scene.value.drives;
-        let streams = self.keep.summary && host.records();
-        recorder.handed = streams.then(Vec::new);
-        recorder.taxels = (streams && self.keep.readings == KeptReadings::All)
-            .then(|| Readings::whole(projector.layout(), drives));
-        recorder.readings = match self.keep.readings {
-            KeptReadings::None => None,
-            _ if streams => None,
-            KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
-            KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
-        };
-        let header = header(self.setup, self.seed, &projector)?;
-        recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
-        if self.keep.band {
-            display.compare(self.setup, &header, true)?;
-        }
-        let ends = (skin, display);
-        let policy = Policy::emulated(self.setup.bench.value.unit.is_some());
-        // Of a stream's frames the wait for their readings would be timed as well.
-        let watch = host.stopwatch().filter(|_| !self.waits);
-        let mut session = Session::new(projector, ends, policy, recorder, watch);
-        session.thin_costs(self.keep.summary);
-        Ok((header, session))
-    }
-
-    /// The loop between the skin and the emulated display until `end`.
-    fn project(
-        &self,
-        levels: Levels,
-        skin: &mut dyn SkinEnd,
-        truth: Truth,
-        end: Instant,
-        host: &mut dyn Host,
-    ) -> Result<Outcome, Failure> {
-        let place = Place::whole(&self.setup.bench.value);
-        let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
-        let mut pieces = Pieces::new(header.soa_us);
-        host.begin(&Beginning {
-            setup: self.setup,
-            header: &header,
-            projector: session.projector(),
-            end,
-            display: None,
-        })?;
-        // The policy waits for boards that do not answer, so this cannot fail.
-        let mut next = session.start(Instant::ZERO).unwrap_or_default();
-        let mut last = end;
-        let calibrated = known_levels(&self.setup.scene.value.compression).is_none();
-        let behind = |now| match calibrated {
-            true => HALF + HALF * part(now, end),
-            false => part(now, end),
-        };
-        while next < end {
-            let now = next;
-            let turn = session.turn(now)?;
-            if let Some(piece) = pieces.take(&mut session, false) {
-                host.record(piece)?;
-            }
-            let is_stopped =
-                turn != Turn::Last && look_on(&session, (now, 0), session.seen().0, host);
-            if is_stopped {
-                let text = format!("{STOPPED_BY}the person who watched");
-                session.recorder().note(now, text);
-            }
-            match turn {
-                Turn::Next(then) if !is_stopped && !host.passed(behind(now)) => next = then,
-                Turn::Next(_) | Turn::Last => {
-                    last = now;
-                    break;
-                }
-            }
-        }
-        host.end();
-        session.conclude(last);
-        let (display, projector, recorder) = session.all();
-        display.settle(last, projector, recorder)?;
-        if let Some(piece) = pieces.take(&mut session, true) {
-            host.record(piece)?;
-        }
-        self.outcome(header, &mut session, last, host)
-    }
-
-    /// What the run came to.
-    fn outcome<S: SkinEnd>(
-        &self,
-        header: Header,
-        session: &mut Session<S, EmulatedDisplay>,
-        end: Instant,
-        host: &dyn Host,
-    ) -> Result<Outcome, Failure> {
-        let setup = self.setup;
-        let costs = session.take_costs();
-        let failure = session.take_failure();
-        session.skin().advance_to(end);
-        let can = session.skin().take_frames();
-        let mut effort = Effort::of(&costs, session.traffic());
-        effort.calibrated = known_levels(&setup.scene.value.compression).is_none();
-        let bench = &setup.bench.value;
-        let (display, projector, _) = session.all();
-        let (samples, currents) = display.take_samples();
-        let totals = display.hardware().totals();
-        let course = margins::Course {
-            currents: &currents,
-            samples: &samples,
-            totals: &totals,
-        };
-        let limits = projector.guard().limits();
-        let mut margins = margins::margins(&course, limits);
-        margins.extend(display.heat_margins());
-        sort(&mut margins);
-        let ledger = Ledger {
-            energy_uj: (totals.electrical_j * 1e6).round() as u64,
-            hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
-            margins,
-            length_us: end.as_micros(),
-            ..Ledger::default()
-        };
-        let (trace, mut summary) = finished(session, header, ledger, &costs, bench);
-        if let Some(texture) = &mut summary.texture {
-            texture.compared(setup)?;
-        }
-        summary.buses = session.skin().buses();
-        if let (Some(read), Some(began)) = (host.stopwatch(), self.began) {
-            summary.wall_s = read().saturating_sub(began).as_secs_f64();
-        }
-        let (display, projector, recorder) = session.all();
-        effort.finish(projector, recorder);
-        summary.faults = display.faults();
-        summary.unit = display.unit();
-        summary.heat = display.heat();
-        summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
-        if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
-            let missing = -plan::strongest(setup, projector)?;
-            summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
-        }
-        summary.felt.band = display.band(summary.path_error_mm.is_some());
-        Ok(Outcome {
-            readings: recorder.readings.take(),
-            warmth: samples.iter().map(margins::warmth).collect(),
-            i2c: display.transfers(),
-            trace,
-            summary,
-            frame_us: costs.iter().map(|c| c.us).collect(),
-            effort,
-            failure,
-            can,
-            notes: Vec::new(),
-            displays: Vec::new(),
-        })
     }
 }
 
@@ -396,17 +221,6 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             state: &|wants| look.state(wants),
         })
     }
-}
-
-/// Shows a turn to a host that looks on. Returns whether the host wants no more.
-fn look_on<S: SkinEnd>(
-    session: &Session<S, EmulatedDisplay>,
-    turn: (Instant, usize),
-    skin: &dyn SkinEnd,
-    host: &mut dyn Host,
-) -> bool {
-    let buses = || -> Vec<String> { skin.buses().iter().map(BusReport::words).collect() };
-    host.looks_on() && session.show(turn, &buses, |seen| host.turn(seen))
 }
 
 /// The part of a run that its first pass is, where there are two.

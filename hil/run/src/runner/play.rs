@@ -1,0 +1,388 @@
+//! The pass that counts: a session per finger, turn by turn. The only display of a bench is a finger, too. No session knows of
+//! another; what several share, skin, boards, buses and supply, is shared out before the run begins.
+
+use std::cell::RefCell;
+use std::slice;
+
+use palpate_core::contact::Levels;
+use palpate_core::units::Instant;
+use palpate_files::Gate;
+use palpate_records::felt::FeltPath;
+use palpate_records::i2c::Transfer;
+use palpate_records::margin::sort;
+use palpate_records::readings::Readings;
+use palpate_records::trace::{Event, Header, Ledger};
+
+use super::shared::{Pads, Shared};
+use super::{HALF, Run, part};
+use crate::actuator_bus::ActuatorBus;
+use crate::display_end::{DisplayEnd, EmulatedDisplay};
+use crate::effort::Effort;
+use crate::failure::Failure;
+use crate::header::header;
+use crate::join::{Part, join};
+use crate::levels::known_levels;
+use crate::loops::build_with;
+use crate::piece::Pieces;
+use crate::place::{Place, fingers};
+use crate::policy::Policy;
+use crate::recorder::{Recorder, Truth, milli_c};
+use crate::session::{Session, Turn};
+use crate::skin_end::SkinEnd;
+use crate::stagger::stagger;
+use crate::summary::{AskedLevel, finished};
+use crate::verdict::STOPPED_BY;
+use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, margins, plan};
+
+/// A finger's session, and whether it has ended before the run.
+struct Finger<'a> {
+    /// The run that it would be alone.
+    run: Run<'a>,
+    place: Place,
+    session: Session<Box<dyn SkinEnd + 'a>, EmulatedDisplay>,
+    header: Header,
+    pieces: Pieces,
+    ended: bool,
+    /// The joint that it depends on, and whether it was felt in the last turn.
+    gate: Option<(Gate, bool)>,
+}
+
+impl<'a> Finger<'a> {
+    /// A loop between a skin and an emulated display, which hangs on `bus` where other displays do.
+    fn new(
+        run: Run<'a>,
+        skin: Box<dyn SkinEnd + 'a>,
+        (levels, truth): (Levels, Truth),
+        (place, bus): (Place, Option<&ActuatorBus>),
+        host: &dyn Host,
+    ) -> Result<Self, Failure> {
+        let Run { setup, keep, .. } = run;
+        let projector = build_with(setup, run.seed, levels, run.responses)?;
+        let mut display = EmulatedDisplay::at(setup, (place.clone(), bus), &projector, run.seed)?;
+        display.keep(keep)?;
+        let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.joints.clone_from(&setup.scene.value.joints);
+        recorder.counts = host.looks_on().then(Vec::new);
+        let drives = setup.scene.value.drives;
+        // A piece says of no finger whose it is.
+        let streams = keep.summary && host.records() && place.name.is_none();
+        recorder.handed = streams.then(Vec::new);
+        recorder.taxels = (streams && keep.readings == KeptReadings::All)
+            .then(|| Readings::whole(projector.layout(), drives));
+        recorder.readings = match keep.readings {
+            KeptReadings::None => None,
+            _ if streams => None,
+            KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
+            KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
+        };
+        let header = header(setup, run.seed, &projector)?;
+        recorder.felt = keep.summary.then(|| FeltPath::new(&header));
+        if keep.band {
+            display.compare(setup, &header, true)?;
+        }
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        // Of a stream's frames the wait for their readings would be timed as well.
+        let watch = host.stopwatch().filter(|_| !run.waits);
+        let mut session = Session::new(projector, (skin, display), policy, recorder, watch);
+        session.thin_costs(keep.summary);
+        Ok(Self {
+            run,
+            place,
+            session,
+            pieces: Pieces::new(header.soa_us),
+            header,
+            ended: false,
+            gate: None,
+        })
+    }
+
+    /// Begins at t = 0 before a host: everything off, boards set up.
+    fn begin(&mut self, end: Instant, host: &mut dyn Host) -> Result<(), Failure> {
+        host.begin(&Beginning {
+            setup: self.run.setup,
+            header: &self.header,
+            projector: self.session.projector(),
+            end,
+            display: self.place.name.as_deref(),
+        })?;
+        // The policy waits for boards that do not answer, so this cannot fail.
+        let _ = self.session.start(Instant::ZERO);
+        Ok(())
+    }
+
+    /// When its next turn is due. A host waits for an adapter that is still busy with other fingers' transfers: what it
+    /// wrote later it must not believe to be written now. Looked at when a turn is there, not before.
+    fn due(&mut self, now: Instant) -> Instant {
+        let next = self.session.next();
+        if self.place.alone || next > now {
+            return next;
+        }
+        let busy = self.session.display().hardware().bus_now();
+        // What the guard counts with.
+        let wait_us = self.run.setup.bus_wait.as_micros();
+        let waits_us = busy.0.div_ceil(1000).saturating_sub(wait_us);
+        next.max(Instant::from_micros(waits_us))
+    }
+
+    /// Takes a turn, if one is due. What ends the finger ends no other one.
+    fn turn(&mut self, now: Instant, host: &mut dyn Host) -> Result<(), Failure> {
+        if self.ended {
+            return self.rest(now);
+        }
+        if self.due(now) > now {
+            return Ok(());
+        }
+        self.look_at_joint(now);
+        if self.session.turn(now)? == Turn::Last {
+            self.end(now);
+        }
+        self.hand_on(false, host)
+    }
+
+    /// Hands what happened to a host that records.
+    fn hand_on(&mut self, end: bool, host: &mut dyn Host) -> Result<(), Failure> {
+        let piece = self.pieces.take(&mut self.session, end);
+        piece.map_or(Ok(()), |piece| host.record(piece))
+    }
+
+    /// Shows the finger's skin, or hides it, as its joint stands.
+    fn look_at_joint(&mut self, now: Instant) {
+        let Some((gate, was_open)) = &mut self.gate else {
+            return;
+        };
+        let t_s = now.as_micros() as f64 * 1e-6;
+        let (_, projector, recorder) = self.session.all();
+        let is_open = gate.is_open(&recorder.joints, t_s);
+        if std::mem::replace(was_open, is_open) != is_open {
+            projector.show(is_open);
+            let joint = recorder.joints.get(gate.joint).map_or("?", |j| &*j.name);
+            let word = if is_open { "felt" } else { "not felt" };
+            let text = format!("{word}: joint {joint}");
+            recorder.note(now, text);
+        }
+    }
+
+    /// What no loop drives any more is looked at to the end: its wires cool, and a shorted amplifier heats on.
+    fn rest(&mut self, now: Instant) -> Result<(), Failure> {
+        let (display, projector, recorder) = self.session.all();
+        display.fail(now, false, None, &mut recorder.events);
+        display.advance_to(now, &mut recorder.events)?;
+        display.look(now, false, projector, recorder);
+        Ok(())
+    }
+
+    /// Switches everything of the finger off at `now`, once.
+    fn end(&mut self, now: Instant) {
+        if !std::mem::replace(&mut self.ended, true) {
+            self.session.conclude(now);
+        }
+    }
+
+    /// Shows a turn to a host that looks on. Returns whether the host wants no more.
+    fn show(&self, turn: (Instant, usize), host: &mut dyn Host) -> bool {
+        let skin = self.session.seen().0;
+        let buses = || -> Vec<String> { skin.buses().iter().map(BusReport::words).collect() };
+        host.looks_on() && self.session.show(turn, &buses, |seen| host.turn(seen))
+    }
+
+    /// What the finger came to until `end`, with everything off. Its skin's buses and their frames are left to the run.
+    fn outcome(mut self, end: Instant, host: &mut dyn Host) -> Result<Outcome, Failure> {
+        self.end(end);
+        let (display, projector, recorder) = self.session.all();
+        display.settle(end, projector, recorder)?;
+        self.hand_on(true, host)?;
+        let (setup, session) = (self.run.setup, &mut self.session);
+        let costs = session.take_costs();
+        let failure = session.take_failure();
+        let mut effort = Effort::of(&costs, session.traffic());
+        effort.calibrated = known_levels(&setup.scene.value.compression).is_none();
+        let bench = &setup.bench.value;
+        let (display, projector, _) = session.all();
+        let (samples, currents) = display.take_samples();
+        let totals = display.hardware().totals();
+        let course = margins::Course {
+            currents: &currents,
+            samples: &samples,
+            totals: &totals,
+        };
+        let limits = projector.guard().limits();
+        let mut margins = margins::margins(&course, limits);
+        margins.extend(display.heat_margins());
+        sort(&mut margins);
+        let ledger = Ledger {
+            energy_uj: (totals.electrical_j * 1e6).round() as u64,
+            hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
+            margins,
+            length_us: end.as_micros(),
+            ..Ledger::default()
+        };
+        let (trace, mut summary) = finished(session, self.header, ledger, &costs, bench);
+        if let Some(texture) = &mut summary.texture {
+            texture.compared(setup)?;
+        }
+        if let (Some(read), Some(began)) = (host.stopwatch(), self.run.began) {
+            summary.wall_s = read().saturating_sub(began).as_secs_f64();
+        }
+        let (display, projector, recorder) = session.all();
+        effort.finish(projector, recorder);
+        summary.faults = display.faults();
+        summary.unit = display.unit();
+        summary.heat = display.heat();
+        summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
+        if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
+            let missing = -plan::strongest(setup, projector)?;
+            summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
+        }
+        summary.felt.band = display.band(summary.path_error_mm.is_some());
+        Ok(Outcome {
+            readings: recorder.readings.take(),
+            warmth: samples.iter().map(margins::warmth).collect(),
+            i2c: display.transfers(),
+            trace,
+            summary,
+            frame_us: costs.iter().map(|c| c.us).collect(),
+            effort,
+            failure,
+            can: Vec::new(),
+            notes: Vec::new(),
+            displays: Vec::new(),
+        })
+    }
+}
+
+impl Run<'_> {
+    /// Plays the pass that counts on the only display of a bench.
+    pub(super) fn one(
+        &self,
+        levels: Levels,
+        skin: &mut dyn SkinEnd,
+        truth: Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Outcome, Failure> {
+        let whole = Place::whole(&self.setup.bench.value);
+        let (own, on) = (Box::new(&mut *skin), (whole, None));
+        let mut one = Finger::new(*self, own, (levels, truth), on, host)?;
+        let last = self.play(slice::from_mut(&mut one), None, end, host)?;
+        let mut outcome = one.outcome(last, host)?;
+        skin.advance_to(last);
+        outcome.can = skin.take_frames();
+        outcome.summary.buses = skin.buses();
+        Ok(outcome)
+    }
+
+    /// Plays the pass that counts on several displays, with one skin.
+    pub(super) fn several(
+        &self,
+        levels: &Levels,
+        skin: &mut dyn SkinEnd,
+        truth: &Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Outcome, Failure> {
+        let alone = fingers(self.setup);
+        let shared = RefCell::new(Shared::new(self, skin, &alone));
+        let mut fingers = Vec::new();
+        for (number, ((place, setup), finger)) in alone.iter().zip(&self.setup.fingers).enumerate()
+        {
+            let truth = match truth {
+                Truth::Scene(_) => Truth::of_finger(self.setup, finger),
+                _ => Truth::Unknown,
+            };
+            let run = Run { setup, ..*self };
+            let pads = Box::new(Pads::new(&shared, number));
+            let buses = &shared.borrow().buses;
+            let bus = buses.iter().find(|bus| bus.carries(place));
+            let on = (place.clone(), bus);
+            fingers.push(Finger {
+                gate: finger.when.map(|gate| (gate, true)),
+                ..Finger::new(run, pads, (levels.clone(), truth), on, host)?
+            });
+        }
+        let loops = fingers.iter_mut();
+        let loops = loops.map(|f| (&f.place, f.session.projector_mut()));
+        stagger(self.setup, loops.collect())?;
+        let last = self.play(&mut fingers, Some(&shared), end, host)?;
+        shared.borrow_mut().end(last, end);
+        // Boards that fingers share go off before any of them is looked at.
+        fingers.iter_mut().for_each(|finger| finger.end(last));
+        let common = shared.borrow_mut().common();
+        let replayed = matches!(truth, Truth::Unknown);
+        let mut parts = Vec::new();
+        for finger in fingers {
+            let (place, setup) = (finger.place.clone(), finger.run.setup);
+            let limits = *finger.session.projector().guard().limits();
+            let mut outcome = finger.outcome(last, host)?;
+            let own = plan::boards(&setup.bench.value);
+            let of_boards = |t: &&Transfer| t.bus == place.bus && own.contains(&t.address);
+            outcome.i2c = common.i2c.iter().filter(of_boards).cloned().collect();
+            // The whole scene's faults say what may be missing; the person is the finger's.
+            let mut judged = self.setup.clone();
+            judged.person.clone_from(&setup.person);
+            parts.push(Part {
+                place,
+                limits,
+                outcome: outcome.concluded(&judged, replayed),
+            });
+        }
+        Ok(join(self.setup, parts, common))
+    }
+
+    /// Plays turn after turn; returns when the run ended. The end of the only finger is that of the run, the end of one of
+    /// several is not.
+    fn play(
+        &self,
+        fingers: &mut [Finger<'_>],
+        shared: Option<&RefCell<Shared<'_>>>,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Instant, Failure> {
+        let mut now = Instant::ZERO;
+        if let Some(shared) = shared {
+            shared.borrow_mut().fail(now, false);
+        }
+        for finger in &mut *fingers {
+            finger.begin(end, host)?;
+        }
+        let calibrated = known_levels(&self.setup.scene.value.compression).is_none();
+        let before = if calibrated { HALF } else { 0.0 };
+        let mut order: Vec<usize> = (0..fingers.len()).collect();
+        loop {
+            let due = shared.map_or(Instant::FAR_FUTURE, |shared| shared.borrow().due);
+            let turns = fingers.iter_mut().filter(|f| !f.ended);
+            let next = turns.map(|f| f.due(now)).fold(due, Instant::min);
+            if next >= end {
+                return Ok(end);
+            }
+            now = next;
+            if let Some(Err(e)) = shared.map(|shared| shared.borrow_mut().turn(now)) {
+                let failed = || Failure::Device(format!("sensor bus: {e}"));
+                let fingers = fingers.iter_mut();
+                fingers.for_each(|f| f.session.set_failure(failed()));
+                return Ok(now);
+            }
+            // What waits longest comes first: tries to bring a board back must not hold up the end of a burst.
+            order.sort_unstable_by_key(|number| (fingers[*number].session.next(), *number));
+            let mut is_stopped = false;
+            for &number in &order {
+                let finger = &mut fingers[number];
+                finger.turn(now, host)?;
+                if finger.ended && shared.is_none() {
+                    return Ok(now);
+                }
+                is_stopped |= finger.show((now, number), host);
+            }
+            if is_stopped {
+                let note = || Event::note(now, format!("{STOPPED_BY}the person who watched"));
+                let recorders = fingers.iter_mut().map(|f| f.session.recorder());
+                recorders.for_each(|recorder| recorder.events.push(note()));
+                if let Some(shared) = shared {
+                    shared.borrow_mut().events.push(note());
+                }
+            }
+            if is_stopped || host.passed(before + (1.0 - before) * part(now, end)) {
+                return Ok(now);
+            }
+        }
+    }
+}
