@@ -16,7 +16,6 @@ use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
 
-use crate::display_end::DisplayEnd;
 use crate::failure::Failure;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::loops::made;
@@ -25,10 +24,10 @@ use crate::plan::Responses;
 use crate::policy::refuse_hardware;
 use crate::recorder::Truth;
 use crate::replay::{CanPlayer, Rows};
-use crate::session::{Session, TICK};
+use crate::session::TICK;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;
-use crate::{Host, Input, Keep, Outcome, TurnView, plan, skin};
+use crate::{Host, Input, Keep, Outcome, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -200,26 +199,6 @@ impl Run<'_> {
             ))),
             false => self.several(&levels, skin, &truth, end, host),
         }
-    }
-}
-
-impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
-    /// Shows the turn of a display at a time, with the lines of its sensor buses. Returns the answer of `to`.
-    pub fn show<T>(
-        &self,
-        (now, display): (Instant, usize),
-        buses: &dyn Fn() -> Vec<String>,
-        to: impl FnOnce(&TurnView<'_>) -> T,
-    ) -> T {
-        let (_, recorder, look) = self.look();
-        to(&TurnView {
-            now,
-            display,
-            events: &recorder.events,
-            counts: recorder.counts.as_deref().unwrap_or_default(),
-            buses,
-            state: &|wants| look.state(wants),
-        })
     }
 }
 

@@ -32,7 +32,7 @@ use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
 use crate::summary::{AskedLevel, finished};
 use crate::verdict::STOPPED_BY;
-use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, margins, plan};
+use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView, margins, plan};
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger<'a> {
@@ -133,10 +133,12 @@ impl<'a> Finger<'a> {
             return Ok(());
         }
         self.look_at_joint(now);
-        if self.session.turn(now)? == Turn::Last {
+        let turn = self.session.turn(now)?;
+        self.hand_on(false, host)?;
+        if turn == Turn::Last {
             self.end(now);
         }
-        self.hand_on(false, host)
+        Ok(())
     }
 
     /// Hands what happened to a host that records.
@@ -178,11 +180,20 @@ impl<'a> Finger<'a> {
         }
     }
 
-    /// Shows a turn to a host that looks on. Returns whether the host wants no more.
-    fn show(&self, turn: (Instant, usize), host: &mut dyn Host) -> bool {
-        let skin = self.session.seen().0;
-        let buses = || -> Vec<String> { skin.buses().iter().map(BusReport::words).collect() };
-        host.looks_on() && self.session.show(turn, &buses, |seen| host.turn(seen))
+    /// Shows a turn, which has this number's display, to a host that looks on. Returns whether the host wants no more.
+    fn show(&self, now: Instant, display: usize, host: &mut dyn Host) -> bool {
+        if !host.looks_on() {
+            return false;
+        }
+        let (skin, recorder, look) = self.session.look();
+        host.turn(&TurnView {
+            now,
+            display,
+            events: &recorder.events,
+            counts: recorder.counts.as_deref().unwrap_or_default(),
+            buses: &|| skin.buses().iter().map(BusReport::words).collect(),
+            state: &|wants| look.state(wants),
+        })
     }
 
     /// What the finger came to until `end`, with everything off. Its skin's buses and their frames are left to the run.
@@ -370,7 +381,7 @@ impl Run<'_> {
                 if finger.ended && shared.is_none() {
                     return Ok(now);
                 }
-                is_stopped |= finger.show((now, number), host);
+                is_stopped |= finger.show(now, number, host);
             }
             if is_stopped {
                 let note = || Event::note(now, format!("{STOPPED_BY}the person who watched"));
