@@ -103,7 +103,7 @@ impl Host for Onlooker<'_> {
             return false;
         };
         pace.clock.sleep_until(seen.now);
-        self.views.turn(seen).is_some() || pace.signals.caught().is_some()
+        self.views.turn(seen) || pace.signals.caught().is_some()
     }
 
     fn passed(&mut self, part: f64) -> bool {

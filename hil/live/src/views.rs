@@ -11,30 +11,11 @@ use crate::output::{Outputs, note};
 use crate::serve::{Desk, Live, LiveRun};
 use crate::watch::Watch;
 
-/// What those who look on want of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// That it ends.
-    End,
-    /// STOP: that everything is off and stays off, where something keeps it so.
-    Stop,
-}
-
 /// How often an experimenter sees the limits anew.
 const LIMITS_EVERY: Duration = Duration::from_millis(250);
 
 /// What a stop by a page is called where it is kept.
 pub const STOPPED_BY_PAGE: &str = "STOP on a page";
-
-impl Wish {
-    /// Who or what ended the run.
-    pub const fn by(self) -> &'static str {
-        match self {
-            Self::End => "the person who watched",
-            Self::Stop => STOPPED_BY_PAGE,
-        }
-    }
-}
 
 /// Looks on at a run.
 #[derive(Debug, Default)]
@@ -70,6 +51,11 @@ impl Wanted<'_> {
     pub const fn is_seen(self) -> bool {
         self.watch || self.live.is_some() || self.desk.is_some()
     }
+
+    /// Whether a page has said STOP: everything is to go off and stay off, where something keeps it so.
+    pub fn is_stopped(self) -> bool {
+        self.desk.is_some_and(Desk::is_stopped) || self.live.is_some_and(Live::is_stopped)
+    }
 }
 
 impl Views {
@@ -100,11 +86,11 @@ impl Views {
         self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Shows a turn, and returns what is wanted.
-    pub fn turn(&mut self, seen: &TurnView<'_>) -> Option<Wish> {
+    /// Shows a turn. Returns whether those who look on want the run to end.
+    pub fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         if let Some(desk) = &self.desk {
             if desk.is_stopped() {
-                return Some(Wish::Stop);
+                return true;
             }
             if seen.now >= self.limits
                 && let Some(used) = (seen.state)(Wants::READINGS).used()
@@ -115,13 +101,13 @@ impl Views {
         }
         if let Some(live) = &mut self.live {
             if live.is_stopped() {
-                return Some(Wish::Stop);
+                return true;
             }
             live.turn(seen);
         }
-        let watch = self.watch.as_mut()?;
-        let ended = watch.turn(seen.display, seen.now, seen.events, seen.counts, seen.buses);
-        ended.then_some(Wish::End)
+        self.watch.as_mut().is_some_and(|watch| {
+            watch.turn(seen.display, seen.now, seen.events, seen.counts, seen.buses)
+        })
     }
 }
 

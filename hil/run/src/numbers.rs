@@ -43,10 +43,13 @@ impl Place {
     }
 
     /// A numbered event as the common trace has it: notes say whose they are; what is felt of which touch is each
-    /// display's own, and what befalls a whole board is told by [`whole_boards`].
+    /// display's own, and what befalls a whole board is told by [`whole_boards`]. The only display's trace is the common one.
     #[must_use]
     pub fn joined(&self, event: &Event) -> Option<Event> {
         let mut event = event.clone();
+        if self.name.is_none() {
+            return Some(event);
+        }
         match &mut event {
             Event::Truth(_) | Event::Felt(_) | Event::Latent(_) | Event::PreScale(_) => {
                 return None;

@@ -115,11 +115,6 @@ fn feel<D: Watched + Send>(
             .spawn_scoped(scope, || feeling.until(&signals, &heard));
         let thread = thread.map_err(|e| Failure::Device(format!("the loop's thread: {e}")))?;
         said.iter().for_each(|text| note(&text));
-        // A panic has dropped the guardian's socket, or a unit hears no more: everything is off or about to be.
-        let panicked = |_| {
-            let text = "the loop panicked; the guardian or the unit switches everything off";
-            Failure::Device(text.into())
-        };
-        thread.join().map_err(panicked)?
+        thread.join().map_err(|_| real::panicked())?
     })
 }

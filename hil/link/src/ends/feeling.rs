@@ -1,6 +1,7 @@
 //! The loop of a finger that feels what comes: projection clock, guard and deadlines are here; nothing that a network does
 //! reaches an output but a fresh reading.
 
+use std::slice;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration as Wait;
 
@@ -137,7 +138,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
             let _ = self.session.display().part(Ok(()), true);
         })?;
-        let mut next = begin(&mut self.session, clock)?;
+        let mut next = begin(slice::from_mut(&mut self.session), clock)?;
         let end = self.args.seconds.map(after);
         let (mut stopped, mut watch) = (None, Watch::new());
         loop {
@@ -185,7 +186,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             let wait = next.min(self.next_beat).since(clock.now());
             self.waiting.wait(Wait::from_micros(wait.as_micros()));
         }
-        let end = leave(&mut self.session, clock, None, |_| {});
+        let end = leave(&mut self.session, clock);
         self.said.stopped = stopped.unwrap_or_else(|| match self.session.failure() {
             Some(failure) => failure.to_string(),
             None => "a record cannot be written".into(),

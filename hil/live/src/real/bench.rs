@@ -10,19 +10,23 @@ use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::driver::{Banks, Driver, DriverError};
 use palpate_core::guard::Guard;
 use palpate_core::skin::Layout;
-use palpate_core::units::{Instant, Prescale};
-
-use palpate_files::{Bench, Real};
-use palpate_run::display_end::{DisplayEnd, OutputEnable};
+use palpate_core::units::Instant;
+use palpate_files::{Bench, Real, Setup};
 use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
-use super::clocked::Clocked;
-use super::heat::Heat;
 use crate::again;
+
+/// The buses of a real bench.
+pub(super) fn real_of(setup: &Setup) -> Result<&Real, Failure> {
+    let bench = &setup.bench.value;
+    bench
+        .real
+        .as_ref()
+        .ok_or_else(|| Failure::Input(format!("bench `{}`: expected kind = \"real\"", bench.name)))
+}
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
@@ -113,95 +117,6 @@ pub fn unguarded(error: &StartError) -> Failure {
     }
 }
 
-/// The guardian, and whether it has an OE line to cut.
-pub(super) struct Watchman {
-    pub(super) guardian: Guardian,
-    has_oe: bool,
-}
-
-/// The actuators' end of the loop, its clock, and the guardian.
-pub struct Live {
-    banks: Clocked<Blocking>,
-    pub(super) watchman: Watchman,
-    pub(super) heat: Heat,
-    /// The adapters, for the way out of a stop.
-    adapters: Vec<PathBuf>,
-    /// What the guardian found driving before it switched everything off.
-    pub(super) found: String,
-}
-
-impl Live {
-    /// Opens the adapters, guardian last: from then on it can say off.
-    pub(super) fn open(
-        (bench, real): (&Bench, &Real),
-        heat: Heat,
-        prescale: Prescale,
-        clock: RunClock,
-    ) -> Result<Self, Failure> {
-        let watch = watch(bench, real);
-        refuse_latched(&watch)?;
-        let (mut lines, guardian, found) = guarded(&watch)?;
-        lines
-            .iter_mut()
-            .for_each(|line| line.set_pulse(guardian.pulse()));
-        let addresses = watch.buses.iter().map(|bus| &*bus.boards);
-        let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
-        let banks = plan::with_converters(bench, banks);
-        Ok(Self {
-            banks: Clocked::new(banks, clock),
-            watchman: Watchman {
-                guardian,
-                has_oe: real.oe.is_some(),
-            },
-            heat,
-            adapters: real.i2c.clone(),
-            found,
-        })
-    }
-}
-
-impl DisplayEnd for Live {
-    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
-        (&mut self.banks, &self.watchman)
-    }
-
-    /// With the errno that the adapter gave.
-    fn explain(&self, error: &DriverError) -> String {
-        let fault = match error {
-            DriverError::Bus(board, _) => self.banks.bus_of(*board).and_then(Blocking::last_fault),
-            _ => None,
-        };
-        fault.map_or_else(|| error.to_string(), ToString::to_string)
-    }
-
-    fn keep_stopped(&mut self, cause: &str) -> Failure {
-        // A guardian that is gone ends the run at the next heartbeat.
-        let _ = self.watchman.guardian.stop(cause);
-        let clear = clear_words(&self.adapters);
-        Failure::Guard(format!("{cause}; outputs are off and stay off. {clear}"))
-    }
-}
-
-/// What a person does about a stop that is latched for these adapters.
-pub(super) fn clear_words(adapters: &[PathBuf]) -> String {
-    let adapters = adapters.iter();
-    let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
-    format!(
-        "Look at the bench, then clear the stop: hil off --unlatch{}",
-        adapters.collect::<String>()
-    )
-}
-
-/// How notes say that outputs were cut, or that they could not be.
-pub(super) const fn cut_words(has_oe: bool) -> &'static str {
-    match has_oe {
-        true => "outputs off by the OE line",
-        false => {
-            "no OE line is wired, so boards drive what they were last told until the bus answers"
-        }
-    }
-}
-
 /// Interfaces of a bench: time passes there by itself.
 pub struct Interfaces {
     buses: CanBuses,
@@ -269,22 +184,6 @@ impl CanBus for Interfaces {
 
 impl CanEnd for Interfaces {
     fn advance_to(&mut self, _now: Instant) {}
-}
-
-/// An OE line is the guardian's, so that it can cut it when this process is gone.
-impl OutputEnable for Watchman {
-    fn set_enabled(&self, _now: Instant, enabled: bool) {
-        // A guardian that is gone ends the run at the next heartbeat.
-        let _ = self.guardian.set_outputs(enabled);
-    }
-
-    fn cuts(&self) -> bool {
-        self.has_oe
-    }
-
-    fn words(&self) -> &'static str {
-        cut_words(self.has_oe)
-    }
 }
 
 /// Each interface with the boards that the layout has on its bus.

@@ -2,7 +2,7 @@
 
 use palpate_core::guard::{HARD, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
-use palpate_core::units::{Board, Channel, Duration, Point};
+use palpate_core::units::{Board, Channel, Duration, Point, Prescale};
 
 use super::*;
 

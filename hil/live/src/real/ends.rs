@@ -1,8 +1,11 @@
-//! What a run in real time asks of its ends beside sensing and driving, and how a session between them begins and parts.
+//! What a run in real time asks of its ends beside sensing and driving, and how sessions between them begin and part.
+
+use std::sync::Arc;
 
 use palpate_buses::can::{Note, Tally};
 use palpate_buses::guardian::Lost;
 use palpate_buses::pacer::{RunClock, Watch};
+use palpate_core::guard::Guard;
 use palpate_core::projector::Projector;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
@@ -14,9 +17,8 @@ use palpate_run::{
     CanPlayer, EmulatedSkin, Failure, HeatReport, Policy, Recorder, Rows, Session, Truth,
 };
 
-use super::bench::{Interfaces, Live};
+use super::bench::Interfaces;
 use super::heat::Heat;
-use super::warden::FingerEnd;
 use crate::clock;
 
 /// The sensor end.
@@ -71,11 +73,14 @@ pub trait Watched: DisplayEnd {
         Ok(())
     }
 
+    /// Returns when no other display's transfer is on its bus.
+    fn wait(&self) {}
+
     /// Before a turn: whether the run may go on.
     fn beat(&mut self, now: Instant) -> Result<(), Failure>;
 
     /// What heat is booked with, and the number of this fingertip there; nothing of an emulated one.
-    fn ledger(&self) -> Option<(&Heat, usize)> {
+    fn ledger(&self) -> Option<(&Arc<Heat>, usize)> {
         None
     }
 
@@ -87,7 +92,7 @@ pub trait Watched: DisplayEnd {
     /// The run cannot begin, for this cause.
     fn abandon(&mut self, cause: &str);
 
-    /// The run is over and outputs are `off`, or may not be; whether that is known. `failed` if something else ended it.
+    /// The loop has ended and outputs are `off`, or may not be; whether that is known. `failed` if something else ended it.
     fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String>;
 
     /// What came of the driver unit, where it is one.
@@ -101,69 +106,11 @@ pub trait Watched: DisplayEnd {
     }
 }
 
-/// A finger: the guardian watches over it among the fingers of the bench.
-impl Watched for FingerEnd {
-    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
-        self.vote.warden.beat(self.vote.finger, now).map_err(lost)
-    }
-
-    fn ledger(&self) -> Option<(&Heat, usize)> {
-        Some((&self.vote.warden.heat, self.vote.finger))
-    }
-
-    fn is_guarded(&self) -> bool {
-        !self.vote.warden.is_gone()
-    }
-
-    fn abandon(&mut self, cause: &str) {
-        self.vote.warden.give_up(cause);
-    }
-
-    /// The guardian takes leave of all fingers together.
-    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
-        self.vote.warden.ended(self.vote.finger);
-        off
-    }
-}
-
 /// The end of a run whose guardian is lost, or has stopped it.
 pub fn lost(lost: Lost) -> Failure {
     match lost {
         Lost::Halted(_) => Failure::Guard(lost.to_string()),
         Lost::Died | Lost::Silent => Failure::Device(lost.to_string()),
-    }
-}
-
-impl Watched for Live {
-    fn found(&self) -> &str {
-        &self.found
-    }
-
-    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
-        self.watchman.guardian.beat(now).map_err(lost)
-    }
-
-    fn ledger(&self) -> Option<(&Heat, usize)> {
-        Some((&self.heat, 0))
-    }
-
-    fn is_guarded(&self) -> bool {
-        !self.watchman.guardian.is_gone()
-    }
-
-    fn abandon(&mut self, cause: &str) {
-        self.watchman.guardian.hand_over(cause);
-    }
-
-    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String> {
-        match (off, failed) {
-            (Ok(()), false) => self.watchman.guardian.end(),
-            (Ok(()), true) => self.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
-            (Err(cause), _) => {
-                self.watchman.guardian.hand_over(&cause);
-                Err(cause)
-            }
-        }
     }
 }
 
@@ -219,17 +166,29 @@ pub fn beat<S: SkinEnd, D: Watched>(
     }
 }
 
-/// Books what came true of a session's heat until `at`, where everything is known to be `off`.
-fn settle<S: SkinEnd, D: Watched>(
-    session: &mut Session<S, D>,
+/// Books heat of all sessions of a bench at a time, where they have a ledger.
+fn book<'a, S: SkinEnd + 'a, D: Watched + 'a>(
+    sessions: impl Iterator<Item = &'a mut Session<S, D>>,
+    at: Instant,
+    book: impl FnOnce(&Heat, &[(Instant, &Guard)]) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut heat = None;
+    let guards = sessions.map(|session| {
+        let ledger = session.display().ledger();
+        heat = ledger.map(|(heat, _)| Arc::clone(heat));
+        (at, session.projector().guard())
+    });
+    let guards: Vec<(Instant, &Guard)> = guards.collect();
+    heat.map_or(Ok(()), |heat| book(&heat, &guards))
+}
+
+/// Books what came true of the sessions' heat until `at`, where everything is known to be `off`.
+pub(super) fn settle<'a, S: SkinEnd + 'a, D: Watched + 'a>(
+    sessions: impl Iterator<Item = &'a mut Session<S, D>>,
     at: Instant,
     off: bool,
 ) -> Result<(), Failure> {
-    let (display, projector, _) = session.all();
-    match display.ledger() {
-        Some((heat, _)) => heat.end(&[(at, projector.guard())], off),
-        None => Ok(()),
-    }
+    book(sessions, at, |heat, guards| heat.end(guards, off))
 }
 
 /// Looks around before a turn: for time that nobody saw, for who watches over the display, for what befell its buses. Whether
@@ -257,64 +216,87 @@ pub(super) fn goes_on<S: Sensed, D: Watched>(
     true
 }
 
-/// Starts the outputs of a session: what was found driving is noted, heat is reserved, everything is off and set up. Returns
-/// when the first turn may come.
+/// Starts the outputs of all sessions of a bench: what was found driving is noted, heat is reserved, everything is off and set
+/// up. Returns when the first turn may come.
 ///
 /// # Errors
 /// [`Failure`] for outputs that cannot be started, or heat that cannot be kept; what watches over them has been told.
 pub fn begin<S: SkinEnd, D: Watched>(
-    session: &mut Session<S, D>,
+    sessions: &mut [Session<S, D>],
     clock: RunClock,
 ) -> Result<Instant, Failure> {
-    let found = session.display().found().to_owned();
-    for line in found.lines() {
-        let text = format!("{line}; switched off");
-        session.recorder().note(Instant::ZERO, text);
+    for session in &mut *sessions {
+        let found = session.display().found().to_owned();
+        for line in found.lines() {
+            let text = format!("{line}; switched off");
+            session.recorder().note(Instant::ZERO, text);
+        }
     }
-    let (display, projector, _) = session.all();
-    let held = display.ledger().map_or(Ok(()), |(heat, _)| {
-        heat.begin(&[(clock.now(), projector.guard())])
-    });
+    let held = book(sessions.iter_mut(), clock.now(), Heat::begin);
     if let Err(refused) = held {
-        // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
-        let _ = display.part(Ok(()), true);
+        for session in sessions {
+            // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+            let _ = session.display().part(Ok(()), true);
+        }
         return Err(refused);
     }
-    let started = session.display().meet().and_then(|()| {
-        session.start(clock.now()).map_err(|error| {
+    let started = start(sessions, clock);
+    started.inspect_err(|_| {
+        // Nothing was driven. What cannot be booked of that stays reserved.
+        let _ = settle(sessions.iter_mut(), clock.now(), true);
+    })
+}
+
+fn start<S: SkinEnd, D: Watched>(
+    sessions: &mut [Session<S, D>],
+    clock: RunClock,
+) -> Result<Instant, Failure> {
+    for session in &mut *sessions {
+        session.display().meet()?;
+    }
+    // The same time for all: what boards have in common is told once.
+    let now = clock.now();
+    let mut ready = now;
+    for session in sessions {
+        let started = session.start(now).map_err(|error| {
             let display = session.display();
             let cause = display.explain(&error);
             display.abandon(&cause);
             Failure::Device(cause)
-        })
-    });
-    started.inspect_err(|_| {
-        // Nothing was driven. What cannot be booked of that stays reserved.
-        let _ = settle(session, clock.now(), true);
-    })
+        });
+        ready = ready.max(started?);
+    }
+    Ok(ready)
 }
 
-/// Everything off, and the display's leave; when that was. What `stops` it stays latched until a person has looked. Without a
-/// guardian the session stays until everything is off, and tells what it notes meanwhile.
-pub fn leave<S: SkinEnd, D: Watched>(
+/// Everything off, and the leave of what watches over the only session of a bench; when that was. Without a guardian the session
+/// stays until everything is off.
+pub fn leave<S: SkinEnd, D: Watched>(session: &mut Session<S, D>, clock: RunClock) -> Instant {
+    let left = switch_off(session, clock.now());
+    let (end, is_off) = part(session, clock, left, |_| false);
+    if let Err(failure) = settle(std::iter::once(&mut *session), end, is_off) {
+        session.recorder().note(end, failure.to_string());
+        session.set_failure(failure);
+    }
+    end
+}
+
+/// The leave of what watches over a session that was switched off, or was `left` on for this cause; when that was, and whether
+/// everything is known to be off. What is on is tried again for as long as `tries_on` says, which looks around meanwhile, and
+/// without a guardian until it is off.
+pub(super) fn part<S: SkinEnd, D: Watched>(
     session: &mut Session<S, D>,
     clock: RunClock,
-    stops: Option<&str>,
-    mut tell: impl FnMut(&mut Session<S, D>),
-) -> Instant {
-    let mut end = clock.now();
-    let mut left = switch_off(session, end);
-    if let Some(cause) = stops {
-        let kept = session.display().keep_stopped(cause);
-        session.set_failure(kept);
-    }
-    let mut is_alone = false;
-    while let Some(cause) = left.take_if(|_| !session.display().is_guarded()) {
-        if !std::mem::replace(&mut is_alone, true) {
+    left: Option<String>,
+    mut tries_on: impl FnMut(&mut Session<S, D>) -> bool,
+) -> (Instant, bool) {
+    let (mut end, first) = (session.now(), left.clone());
+    let (mut left, mut is_alone) = (left, false);
+    while let Some(cause) = left.take_if(|_| tries_on(session) || !session.display().is_guarded()) {
+        if !session.display().is_guarded() && !std::mem::replace(&mut is_alone, true) {
             let text =
                 format!("no guardian is left, and not everything is off: {cause}; trying on");
             session.recorder().note(end, text);
-            tell(session);
         }
         clock.sleep_until(clock.now() + Policy::REAL.retry);
         end = clock.now();
@@ -331,11 +313,10 @@ pub fn leave<S: SkinEnd, D: Watched>(
         session.recorder().note(end, text);
         session.set_failure(Failure::Device(cause));
     }
-    if let Err(failure) = settle(session, end, is_off) {
-        session.recorder().note(end, failure.to_string());
-        session.set_failure(failure);
+    if let Some(cause) = first {
+        session.set_failure(Failure::Device(cause));
     }
-    end
+    (end, is_off)
 }
 
 /// Everything of a session off; why it may be on.
@@ -348,7 +329,7 @@ pub(super) fn switch_off<S: SkinEnd, D: DisplayEnd>(
 }
 
 /// What could not be switched off tried once more; why it may be on.
-pub(super) fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
+fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
     session: &mut Session<S, D>,
     now: Instant,
 ) -> Option<String> {
@@ -365,10 +346,7 @@ pub(super) fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
 }
 
 /// Why wires may be on that could not be switched off, and for how long they were if that is too long.
-pub(super) fn left_on<S: SkinEnd, D: DisplayEnd>(
-    session: &mut Session<S, D>,
-    cause: String,
-) -> String {
+fn left_on<S: SkinEnd, D: DisplayEnd>(session: &mut Session<S, D>, cause: String) -> String {
     session.still_on();
     match session.overrun() {
         Some(overrun) => format!("{overrun}; {cause}"),

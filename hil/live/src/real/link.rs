@@ -1,5 +1,7 @@
 //! The display end of a run whose boards hang on a driver unit: the unit guards them, so there is no guardian here.
 
+use std::sync::Arc;
+
 use palpate_buses::guardian::{Armed, Latch};
 use palpate_buses::lock::BusLock;
 use palpate_core::driver::Driver;
@@ -24,7 +26,7 @@ pub struct LinkEnd {
     /// The Peltier module that the host regulates.
     module: Option<RemoteHeat>,
     /// Where heat and dose are booked.
-    heat: Heat,
+    heat: Arc<Heat>,
     lock: BusLock,
     /// The record of a stop, from when outputs may start.
     armed: Option<Armed>,
@@ -32,7 +34,7 @@ pub struct LinkEnd {
 
 impl LinkEnd {
     /// A unit and its lock on this computer, and its module where the bench has one. Its heat is booked with `heat`.
-    pub(super) const fn new(
+    pub(super) fn new(
         unit: RemoteUnit,
         module: Option<RemoteHeat>,
         heat: Heat,
@@ -41,7 +43,7 @@ impl LinkEnd {
         Self {
             unit,
             module,
-            heat,
+            heat: Arc::new(heat),
             lock,
             armed: None,
         }
@@ -110,7 +112,7 @@ impl Watched for LinkEnd {
         })
     }
 
-    fn ledger(&self) -> Option<(&Heat, usize)> {
+    fn ledger(&self) -> Option<(&Arc<Heat>, usize)> {
         Some((&self.heat, 0))
     }
 

@@ -3,51 +3,45 @@
 mod bench;
 mod clocked;
 mod ends;
-mod hand;
 mod heat;
 mod link;
 mod loops;
 mod records;
-mod turns;
+mod run;
 mod warden;
 
-pub use bench::{Interfaces, Live, refuse_latched, refuse_slow, unguarded, watch};
+pub use bench::{Interfaces, refuse_latched, refuse_slow, unguarded, watch};
 pub use clocked::Clocked;
 pub use ends::lost;
 pub use ends::{RealSkin, Sensed, Watched, beat, begin, leave};
 pub use heat::{Heat, forget};
 pub use link::LinkEnd;
+pub use warden::Live;
 
 use palpate_buses::guardian::{Latch, Latched};
 use palpate_buses::lock::BusLock;
-use palpate_buses::pacer::{Lateness, RunClock, Watch};
+use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
-use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{BenchKind, Format, Real, Setup};
-use palpate_records::readings::Readings;
-use palpate_records::trace::{Header, Ledger};
-use palpate_run::effort::Effort;
+use palpate_files::{BenchKind, Setup};
+use palpate_run::place::{Place, fingers};
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
-use palpate_run::{
-    AskedLevel, Beginning, CanPlayer, Failure, Input, Outcome, Pacing, RemoteHeat, Rows, Truth,
-    attachments, build, dynamic_levels, exceeded, finished, header, scene_levels, skin,
-};
+use palpate_run::{CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, plan, skin};
 
-use crate::clock;
-use crate::interfaces::reports;
 use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::note;
-use crate::progress::Progress;
-use crate::record::{About, Journal, Sink};
-use crate::views::{Views, Wanted};
+use crate::views::Wanted;
 
-use turns::{Done, Turns};
+use bench::real_of;
+use run::{Run, planned};
+use warden::Wired;
 
+/// What a stop by a page is called where it is kept.
+const STOPPED_BY_PAGE: &str = "STOP on a page";
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
 
@@ -70,21 +64,19 @@ pub fn run(
     }
 }
 
+/// The end of a run whose loop panicked. It has dropped the guardian's socket, or a unit hears no more: everything is off or
+/// about to be.
+pub fn panicked() -> Failure {
+    let text = "the loop panicked; the guardian or the unit switches everything off";
+    Failure::Device(text.into())
+}
+
 /// Lets no death of this process take its time: outputs are on until it is noticed.
 pub fn dies_at_once() {
     // What lets an abort in the middle of a burst be noticed late; refused, it is noticed by the heartbeat.
     let _ = forbid_core_dumps();
     // A backtrace takes its time as well: the place has to do.
     std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
-}
-
-/// The buses of a real bench.
-fn real_of(setup: &Setup) -> Result<&Real, Failure> {
-    let bench = &setup.bench.value;
-    bench
-        .real
-        .as_ref()
-        .ok_or_else(|| Failure::Input(format!("bench `{}`: expected kind = \"real\"", bench.name)))
 }
 
 /// On boards of this computer.
@@ -101,23 +93,36 @@ fn wired(
         return Err(Failure::Input(expected.into()));
     }
     refuse_stopped(setup)?;
-    let real = real_of(setup)?;
-    if !setup.fingers.is_empty() {
-        let started = clock::elapsed();
-        let mut outcome = hand::run((setup, real), seed, &signals, wanted)?;
-        outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
-        return Ok(outcome);
+    let alone = match setup.fingers.is_empty() {
+        true => only(setup),
+        false => fingers(setup),
+    };
+    let (planned, heat) = planned(setup, alone, seed)?;
+    for finger in &planned {
+        refuse_slow(real_of(setup)?, finger.projector.guard())?;
     }
-    refuse_slow(real, build(setup, seed, Levels::Off)?.guard())?;
-    let (setup, heat) = Heat::alone(setup)?;
-    let setup = &setup;
-    let run = Running::begin(setup, seed, signals, wanted)?;
-    let layout = run.projector.layout();
-    let clock = RunClock::start();
+    let run = Run::of(setup, planned, signals, wanted)?;
+    let (clock, keeps_can) = (RunClock::start(), run.keeps_can());
+    let fingers = run.fingers();
+    let skins = fingers.iter().map(|finger| {
+        let layout = finger.projector.layout();
+        let open = match finger.place.name {
+            None => Interfaces::open,
+            Some(_) => Interfaces::of_boards,
+        };
+        let can = open(real_of(setup)?, layout, clock)?;
+        Ok(skin::source(finger.setup, layout, Tap::new(can, keeps_can)))
+    });
+    let skins = skins.collect::<Result<Vec<RealSkin>, Failure>>()?;
     // The guardian last.
-    let skin = open_skin(setup, layout, clock, run.keeps_can)?;
-    let live = open_outputs(setup, heat, &run.projector, clock)?;
-    run.until_end((skin, live), clock, scene_end(setup))
+    let (outputs, found) = Live::open(setup, heat, &fingers, clock)?;
+    let ends = skins.into_iter().zip(outputs).collect();
+    run.until_end(ends, &found, clock, scene_end(setup))
+}
+
+/// The only display of a bench as a finger.
+fn only(setup: &Setup) -> Vec<(Place, Setup)> {
+    vec![(Place::whole(&setup.bench.value), setup.clone())]
 }
 
 /// The boards on a bench's interfaces, with their frames kept or not.
@@ -144,9 +149,16 @@ pub fn open_outputs(
     projector: &Projector,
     clock: RunClock,
 ) -> Result<Live, Failure> {
-    let (bench, real) = (&setup.bench.value, real_of(setup)?);
-    refuse_slow(real, projector.guard())?;
-    Live::open((bench, real), heat, projector.guard().prescale(), clock)
+    refuse_slow(real_of(setup)?, projector.guard())?;
+    let place = &Place::whole(&setup.bench.value);
+    let only = Wired {
+        place,
+        setup,
+        projector,
+    };
+    let (mut ends, _) = Live::open(setup, heat, &[only], clock)?;
+    ends.pop()
+        .ok_or_else(|| Failure::Input("expected a display that is driven, found none".into()))
 }
 
 /// Refuses outputs while a stop of them is latched, before anything is opened.
@@ -214,32 +226,32 @@ fn on_unit(
     if !wanted.quiet {
         notes.iter().for_each(|text| note(text));
     }
-    let (setup, heat) = Heat::alone(&setup)?;
+    let (planned, heat) = planned(&setup, only(&setup), seed)?;
     let setup = &setup;
-    let run = Running::begin(setup, seed, signals, wanted)?;
-    let (layout, keeps_can) = (run.projector.layout(), run.keeps_can);
+    let run = Run::of(setup, planned, signals, wanted)?;
+    let (keeps_can, layout) = (run.keeps_can(), plan::layout(&setup.sensor.value)?);
     let clock = RunClock::start();
     let open = move || open_unit(setup, heat, place, clock);
     let after = |last: Instant| last + Duration::from_millis(100);
     match input {
         Input::Scene if setup.bench.value.kind == BenchKind::Real => {
-            let skin = open_skin(setup, layout, clock, keeps_can)?;
-            run.until_end((skin, open()?), clock, scene_end(setup))
+            let skin = open_skin(setup, &layout, clock, keeps_can)?;
+            run.until_end(vec![(skin, open()?)], "", clock, scene_end(setup))
         }
         Input::Scene => {
             let skin = skin::scene(setup, seed, None)?;
-            run.until_end((skin, open()?), clock, scene_end(setup))
+            run.until_end(vec![(skin, open()?)], "", clock, scene_end(setup))
         }
         Input::Rows(sources) => {
-            let skin = Rows::new(sources, &setup.sensor.value, layout)?;
+            let skin = Rows::new(sources, &setup.sensor.value, &layout)?;
             let last = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
             let end = after(Instant::from_micros(last));
-            run.until_end((skin, open()?), clock, end)
+            run.until_end(vec![(skin, open()?)], "", clock, end)
         }
         Input::Frames(frames) => {
             let player = CanPlayer::new(frames.frames()?);
-            let skin = skin::source(setup, layout, Tap::new(player, keeps_can));
-            run.until_end((skin, open()?), clock, after(frames.end()))
+            let skin = skin::source(setup, &layout, Tap::new(player, keeps_can));
+            run.until_end(vec![(skin, open()?)], "", clock, after(frames.end()))
         }
         Input::Stream(_) => Err(Failure::Input(
             "--stream: expected --replay or the bench's own skin with a unit".into(),
@@ -268,115 +280,6 @@ fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
 
-/// The intensity levels of a scene's own touches; without touches they are found frame by frame.
-fn levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
-    let scene = &setup.scene.value;
-    match scene.touches.is_empty() {
-        true => Ok(dynamic_levels(&scene.compression)),
-        false => scene_levels(setup, seed),
-    }
-}
-
-/// A run that is about to begin: its loop and its records.
-struct Running<'a> {
-    setup: &'a Setup,
-    projector: Projector,
-    header: Header,
-    signals: Signals,
-    journal: Journal,
-    taxels: Option<Readings>,
-    keeps_can: bool,
-    wanted: Wanted<'a>,
-    started: std::time::Duration,
-}
-
-impl<'a> Running<'a> {
-    fn begin(
-        setup: &'a Setup,
-        seed: u64,
-        signals: Signals,
-        wanted: Wanted<'a>,
-    ) -> Result<Self, Failure> {
-        let started = clock::elapsed();
-        let scene = &setup.scene.value;
-        let projector = build(setup, seed, levels(setup, seed)?)?;
-        let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
-        let writes = |format: Format| wanted.files.iter().any(|(other, _)| *other == format);
-        let decoded = || Readings::whole(projector.layout(), scene.drives);
-        let taxels = writes(Format::Mcap).then(decoded);
-        let modules = taxels.as_ref().map_or(&[][..], Readings::modules);
-        let about = About::Run(&header, modules, &attached);
-        let sinks = Sink::create_all(wanted.files, &about, wanted.outputs)?;
-        let journal = Journal::start(sinks, !wanted.quiet && !wanted.watch)?;
-        Ok(Self {
-            setup,
-            keeps_can: writes(Format::Candump) || writes(Format::Mcap),
-            projector,
-            header,
-            signals,
-            journal,
-            taxels,
-            wanted,
-            started,
-        })
-    }
-
-    /// The loop on a thread of its own, for `length` or until something ends it.
-    fn until_end<S: Sensed + Send, D: Watched + Send>(
-        self,
-        ends: (S, D),
-        run_clock: RunClock,
-        length: Instant,
-    ) -> Result<Outcome, Failure> {
-        let setup = self.setup;
-        let mut views = Views::default();
-        views.begin(
-            self.wanted,
-            &Beginning {
-                setup,
-                header: &self.header,
-                projector: &self.projector,
-                end: length,
-                display: None,
-            },
-        )?;
-        let real = setup.bench.value.real.as_ref();
-        let turns = Turns {
-            can: real.map_or(&[], |real| &real.can),
-            realtime: real.and_then(|real| real.realtime),
-            clock: run_clock,
-            signals: self.signals,
-            length,
-            drives: setup.scene.value.drives,
-            truth: match setup.bench.value.kind {
-                BenchKind::Real => Truth::Unknown,
-                BenchKind::Emulated => Truth::of(setup),
-            },
-            taxels: self.taxels,
-            journal: self.journal,
-            views,
-            progress: Progress::of_part("run"),
-            watch: Watch::default(),
-        };
-        let projector = self.projector;
-        let done = std::thread::scope(|scope| {
-            let thread = std::thread::Builder::new()
-                .name("loop".into())
-                .spawn_scoped(scope, || turns.drive(projector, ends));
-            let thread = thread.map_err(|e| Failure::Device(format!("the loop's thread: {e}")))?;
-            // A panic has dropped the guardian's socket, or a unit hears no more: everything is off or about to be.
-            let panicked = |_| {
-                let text = "the loop panicked; the guardian or the unit switches everything off";
-                Failure::Device(text.into())
-            };
-            thread.join().map_err(panicked)?
-        })?;
-        let mut outcome = outcome(setup, self.header, done);
-        outcome.summary.wall_s = clock::elapsed().saturating_sub(self.started).as_secs_f64();
-        Ok(outcome)
-    }
-}
-
 /// Real-time priority for this thread, memory that is never paged out for the program.
 ///
 /// # Errors
@@ -401,55 +304,4 @@ pub fn priority(wanted: Option<bool>) -> Result<bool, Failure> {
         None => Ok(take_priority().is_ok()),
         Some(true) => take_priority().map(|()| true),
     }
-}
-
-/// How late turns were.
-fn pacing(lateness: &Lateness, realtime: bool) -> Pacing {
-    Pacing {
-        turns: lateness.turns(),
-        median_us: lateness.quantile_us(0.5),
-        p99_us: lateness.quantile_us(0.99),
-        worst_us: lateness.worst_us(),
-        realtime,
-    }
-}
-
-/// The run on paper.
-fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<S, D>) -> Outcome {
-    let session = &mut done.session;
-    let costs = session.take_costs();
-    let failure = session.take_failure();
-    let mut effort = Effort::of(&costs, session.traffic());
-    let ledger = Ledger {
-        length_us: done.end.as_micros(),
-        margins: exceeded(session.projector().guard()),
-        ..Ledger::default()
-    };
-    let (trace, mut summary) = finished(session, header, ledger, &costs, &setup.bench.value);
-    let (_, projector, recorder) = session.all();
-    effort.finish(projector, recorder);
-    summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
-    let readings = recorder.readings.take();
-    summary.pacing = Some(pacing(&done.lateness, done.realtime));
-    let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
-    let tallies = session.skin().tallies();
-    summary.unit = session.display().unit();
-    summary.heat = session.display().heat();
-    summary.can = reports(names.unwrap_or_default(), &tallies);
-    summary.frames_not_recorded = done.not_recorded;
-    Outcome {
-        // Nothing measures a real finger.
-        warmth: Vec::new(),
-        readings,
-        trace,
-        summary,
-        frame_us: costs.iter().map(|c| c.us).collect(),
-        effort,
-        can: Vec::new(),
-        i2c: Vec::new(),
-        notes: Vec::new(),
-        displays: Vec::new(),
-        failure,
-    }
-    .concluded(setup, false)
 }

@@ -1,12 +1,11 @@
-//! Records of several fingers that grow while they run: what their loops say, in the numbers of the bench and in the
-//! order of time.
+//! Records that grow while fingers run: what their loops say, in the numbers of the bench and in the order of time.
 
 use std::path::PathBuf;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_files::{Format, Setup};
-use palpate_records::readings::{ModulePlaces, Readings, TaxelFrame};
+use palpate_records::readings::{ModulePlaces, TaxelFrame};
 use palpate_records::trace::{Event, Header, sort_by_time};
 use palpate_run::picture::State;
 use palpate_run::place::Place;
@@ -14,7 +13,7 @@ use palpate_run::{Failure, TurnView, attachments, joined_header, whole_boards};
 
 use crate::output::Outputs;
 use crate::record::{About, Journal, Sink, path_of};
-use crate::views::{Views, Wish};
+use crate::views::Views;
 
 /// What a finger's loop has to say.
 #[derive(Debug, Default)]
@@ -43,7 +42,7 @@ struct Own {
     seen: Vec<Event>,
 }
 
-/// The files of a hand.
+/// The files of a run.
 pub(super) struct Records {
     fingers: Vec<Own>,
     /// Files of all fingers.
@@ -51,6 +50,7 @@ pub(super) struct Records {
     /// What waits for fingers that are behind.
     events: Vec<Event>,
     frames: Vec<Received>,
+    taxels: Vec<TaxelFrame>,
     views: Views,
 }
 
@@ -63,13 +63,20 @@ impl Records {
         tells: bool,
     ) -> Result<Self, Failure> {
         let attached = attachments(setup);
+        // All files of the only display are the run's.
+        let only = fingers.iter().find(|(place, ..)| place.name.is_none());
         let (own, shared): (Vec<_>, Vec<_>) = files
             .iter()
             .cloned()
-            .partition(|(format, _)| format.is_per_display());
-        let headers: Vec<_> = fingers.iter().map(|(p, h, _)| (*p, *h)).collect();
-        let header = joined_header(setup, &headers);
-        let sinks = Sink::create_all(&shared, &About::Run(&header, &[], &attached), outputs)?;
+            .partition(|(format, _)| only.is_none() && format.is_per_display());
+        let joined = || {
+            let headers: Vec<_> = fingers.iter().map(|(p, h, _)| (*p, *h)).collect();
+            joined_header(setup, &headers)
+        };
+        let header = only.map_or_else(joined, |(_, header, _)| (*header).clone());
+        let modules = only.map_or(&[][..], |(.., modules)| modules);
+        let about = About::Run(&header, modules, &attached);
+        let sinks = Sink::create_all(&shared, &about, outputs)?;
         let of = |(place, header, modules): &(&Place, &Header, &[_])| {
             let path =
                 |(format, path): &(Format, PathBuf)| (*format, path_of(path, place.display()));
@@ -89,6 +96,7 @@ impl Records {
             common: Journal::start(sinks, tells)?,
             events: Vec::new(),
             frames: Vec::new(),
+            taxels: Vec::new(),
             views: Views::default(),
         })
     }
@@ -98,34 +106,44 @@ impl Records {
         self.views = views;
     }
 
-    /// Takes what a finger says; what those who look on want.
-    pub(super) fn take(&mut self, said: Said) -> Option<Wish> {
-        let own = self.fingers.get_mut(said.finger)?;
-        let mut wish = None;
-        // What ends is not shown: the screen keeps its last view.
-        if let Some(state) = said.state.filter(|_| said.until < Instant::FAR_FUTURE) {
+    /// Whether something looks on.
+    pub(super) const fn are_seen(&self) -> bool {
+        self.views.are_open()
+    }
+
+    /// Takes what a finger says; whether those who look on want the run to end.
+    pub(super) fn take(&mut self, said: Said) -> bool {
+        let Some(own) = self.fingers.get_mut(said.finger) else {
+            return false;
+        };
+        if self.views.are_open() {
             own.seen.extend_from_slice(&said.events);
-            wish = self.views.turn(&TurnView {
+        }
+        // What ends is not shown: the screen keeps its last view.
+        let state = said.state.filter(|_| said.until < Instant::FAR_FUTURE);
+        let ends = state.is_some_and(|state| {
+            self.views.turn(&TurnView {
                 now: said.until,
                 display: said.finger,
                 events: &own.seen,
                 counts: &said.counts,
                 buses: &|| said.buses.clone(),
                 state: &|_| state.clone(),
-            });
-        }
+            })
+        });
         let mut events = said.events;
         events.iter_mut().for_each(|event| own.place.number(event));
         self.events
             .extend(events.iter().filter_map(|event| own.place.joined(event)));
-        if let Some(journal) = &mut own.journal {
-            journal.add(&events, said.frames.clone(), said.taxels);
+        match &mut own.journal {
+            Some(journal) => journal.add(&events, said.frames.clone(), said.taxels),
+            None => self.taxels.extend(said.taxels),
         }
         self.frames.extend(said.frames);
         own.until = said.until;
         let until = self.fingers.iter().map(|finger| finger.until).min();
         self.pass_on(until.unwrap_or(Instant::FAR_FUTURE));
-        wish
+        ends
     }
 
     /// What befalls whole boards, or the whole bench.
@@ -153,10 +171,12 @@ impl Records {
         let old = |event: &Event| event.t_ns() / 1000 < until_us;
         let later = self.events.partition_point(old);
         let frames = self.frames.partition_point(|frame| frame.at < until);
+        let taxels = self.taxels.partition_point(|scan| scan.t_us < until_us);
         let events: Vec<Event> = self.events.drain(..later).collect();
         let frames: Vec<Received> = self.frames.drain(..frames).collect();
-        if !(events.is_empty() && frames.is_empty()) {
-            self.common.add(&events, frames, Vec::new());
+        let taxels: Vec<TaxelFrame> = self.taxels.drain(..taxels).collect();
+        if !(events.is_empty() && frames.is_empty() && taxels.is_empty()) {
+            self.common.add(&events, frames, taxels);
         }
     }
 
@@ -176,10 +196,4 @@ impl Records {
         let ended = journals.into_iter().map(Journal::finish);
         (dropped, ended.fold(Ok(()), Result::and))
     }
-}
-
-/// The readings that a finger's own files take.
-pub(super) fn taxels(files: &[(Format, PathBuf)], readings: Readings) -> Option<Readings> {
-    let wanted = files.iter().any(|(format, _)| *format == Format::Mcap);
-    wanted.then_some(readings)
 }

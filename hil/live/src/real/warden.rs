@@ -1,30 +1,50 @@
-//! What the fingers of a real bench share while they run: one guardian, and the line that cuts all outputs. And the
-//! actuators' end of one finger, which goes off alone.
+//! The actuators' end of a finger on a real bench, and what all fingers of the bench share while they run: one guardian, and
+//! the line that cuts all outputs.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_buses::guardian::{Guardian, Lost};
 use palpate_buses::i2c::SharedLine;
+use palpate_buses::pacer::RunClock;
 use palpate_buses::pulse::{Pulse, Round};
-use palpate_core::driver::{Driver, DriverError};
+use palpate_core::driver::{Banks, Driver, DriverError};
+use palpate_core::projector::Projector;
 use palpate_core::units::{Board, Instant};
-use palpate_run::Failure;
+use palpate_files::Setup;
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
+use palpate_run::place::Place;
+use palpate_run::{Failure, plan};
 
-use super::bench::{clear_words, cut_words};
+use super::bench::{guarded, real_of, refuse_latched, watch};
 use super::clocked::Clocked;
+use super::ends::{Watched, lost};
 use super::heat::Heat;
 
-/// The guardian of several fingers. It hears of them only together: a finger that hangs ends in everything off.
-pub(super) struct Warden {
+/// The guardian of a bench. It hears of fingers only together: one that hangs ends in everything off.
+struct Warden {
     guardian: Mutex<Guardian>,
     round: Arc<Round>,
+    /// Whether the guardian waits for heartbeats.
+    is_awake: AtomicBool,
     /// Fingers that have their bus, a bit each: OE is released when all have it.
     ready: Mutex<u32>,
     all: u32,
     has_oe: bool,
-    pub(super) heat: Heat,
+    parting: Mutex<Parting>,
+    heat: Arc<Heat>,
+}
+
+/// What fingers say that have ended.
+#[derive(Default)]
+struct Parting {
+    /// Which have, a bit each.
+    ended: u32,
+    /// Why wires may still be on.
+    left: Vec<String>,
+    /// What stays latched until a person has looked.
+    stopped: Vec<String>,
 }
 
 /// A lock that a panic elsewhere does not close: who says off must never be kept out.
@@ -33,94 +53,103 @@ fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Warden {
-    pub(super) fn new(guardian: Guardian, heat: Heat, fingers: usize, has_oe: bool) -> Self {
-        Self {
-            guardian: Mutex::new(guardian),
-            round: Arc::new(Round::new(fingers)),
-            ready: Mutex::new(0),
-            all: (0..fingers).fold(0, |all, finger| all | Round::bit(finger)),
-            has_oe,
-            heat,
-        }
-    }
-
-    pub(super) const fn round(&self) -> &Arc<Round> {
-        &self.round
-    }
-
-    pub(super) fn pulse(&self) -> Pulse {
+    fn pulse(&self) -> Pulse {
         held(&self.guardian).pulse()
     }
 
-    /// From here on the guardian waits for heartbeats. All loops are ready to turn.
-    pub(super) fn begin(&self, now: Instant) {
-        // A guardian that is gone ends the run at the first round.
-        let _ = held(&self.guardian).beat(now);
-    }
-
-    /// A finger makes a turn.
-    pub(super) fn beat(&self, finger: usize, now: Instant) -> Result<(), Lost> {
-        match self.round.turned(Round::bit(finger)) {
+    /// A finger makes a turn. From the first one on the guardian waits for heartbeats.
+    fn beat(&self, finger: usize, now: Instant) -> Result<(), Lost> {
+        let is_due = self.round.turned(Round::bit(finger));
+        match is_due || !self.is_awake.swap(true, Ordering::Relaxed) {
             true => held(&self.guardian).beat(now),
             false => Ok(()),
         }
     }
 
-    /// A finger's stop is to be latched now: the run may yet die before its end.
-    fn latch(&self, cause: &str) {
-        // A guardian that is gone ends the run at the next round.
-        let _ = held(&self.guardian).latch(cause);
-    }
-
     /// Whether no guardian is there that would switch off what is left on.
-    pub(super) fn is_gone(&self) -> bool {
+    fn is_gone(&self) -> bool {
         held(&self.guardian).is_gone()
     }
 
-    /// A finger has ended, off or not: the other fingers go on.
-    pub(super) fn ended(&self, finger: usize) {
-        self.round.ended(finger);
-    }
-
     /// Something is wrong with the program itself: everything off by the guardian, now.
-    pub(super) fn give_up(&self, cause: &str) {
+    fn give_up(&self, cause: &str) {
         held(&self.guardian).hand_over(cause);
     }
 
-    /// The run is over: what is `left` on is the guardian's to switch off, what was `stopped` stays latched.
-    pub(super) fn part(&self, left: Option<&str>, stopped: Option<&str>) -> Result<(), String> {
+    /// A finger has ended, and is `off` or not: the others go on. With the last one the run is over: what is left on is the
+    /// guardian's to switch off, what was stopped stays latched.
+    fn part(&self, own: &Vote, off: Result<(), String>, failed: bool) -> Result<(), String> {
+        let mut parting = held(&self.parting);
+        self.round.ended(own.finger);
+        parting.ended |= Round::bit(own.finger);
+        parting
+            .left
+            .extend(off.as_ref().err().map(|cause| own.named(cause)));
+        if parting.ended != self.all {
+            return off;
+        }
         let mut guardian = held(&self.guardian);
-        if let Some(cause) = left {
-            guardian.hand_over(cause);
-            return Err(cause.to_owned());
+        if !parting.left.is_empty() {
+            guardian.hand_over(&parting.left.join("; "));
+            return off;
         }
-        if let Some(cause) = stopped {
-            guardian.stop(cause).map_err(|lost| lost.to_string())?;
+        let stopped = match parting.stopped.is_empty() {
+            true => Ok(()),
+            false => guardian.stop(&parting.stopped.join("; ")),
+        };
+        let ended = stopped.map_err(|lost| lost.to_string());
+        let ended = ended.and_then(|()| guardian.end());
+        match failed && own.name.is_none() {
+            // The first failure is the one to tell. One of several fingers' says nothing of the others' outputs.
+            true => ended.or(Ok(())),
+            false => ended,
         }
-        guardian.end()
-    }
-
-    /// A finger has its bus, or has lost it: a channel that could not be switched off must not drive on.
-    fn vote(&self, finger: usize, has_bus: bool) {
-        let mut ready = held(&self.ready);
-        match has_bus {
-            true => *ready |= Round::bit(finger),
-            false => *ready &= !Round::bit(finger),
-        }
-        // A guardian that is gone ends the run at the next round.
-        let _ = held(&self.guardian).set_outputs(*ready == self.all);
     }
 }
 
-/// A finger's voice about the line that cuts all outputs.
-pub(super) struct Vote {
-    pub(super) warden: Arc<Warden>,
-    pub(super) finger: usize,
+/// A finger's voice in what is the bench's.
+struct Vote {
+    warden: Arc<Warden>,
+    finger: usize,
+    /// Its display's name; none for the only display of a bench.
+    name: Option<String>,
+}
+
+impl Vote {
+    /// A cause, with whose it is.
+    fn named(&self, cause: &str) -> String {
+        let name = self.name.as_ref();
+        name.map_or_else(|| cause.to_owned(), |name| format!("{name}: {cause}"))
+    }
+
+    /// The finger is stopped, and that is to be latched now: the run may yet die before its end. A stop would end the other
+    /// fingers too: with several it comes when all are off.
+    fn stop(&self, cause: &str) {
+        let named = self.named(cause);
+        let guardian = held(&self.warden.guardian);
+        // A guardian that is gone ends the run at the next heartbeat.
+        let _ = match &self.name {
+            None => guardian.stop(&named),
+            Some(_) => guardian.latch(&named),
+        };
+        drop(guardian);
+        if self.name.is_some() {
+            held(&self.warden.parting).stopped.push(named);
+        }
+    }
 }
 
 impl OutputEnable for Vote {
+    /// The finger has its bus, or has lost it: a channel that could not be switched off must not drive on. The line is the
+    /// guardian's, so that it can cut it when this process is gone.
     fn set_enabled(&self, _now: Instant, enabled: bool) {
-        self.warden.vote(self.finger, enabled);
+        let mut ready = held(&self.warden.ready);
+        match enabled {
+            true => *ready |= Round::bit(self.finger),
+            false => *ready &= !Round::bit(self.finger),
+        }
+        // A guardian that is gone ends the run at the next heartbeat.
+        let _ = held(&self.warden.guardian).set_outputs(*ready == self.warden.all);
     }
 
     fn cuts(&self) -> bool {
@@ -128,32 +157,102 @@ impl OutputEnable for Vote {
     }
 
     fn words(&self) -> &'static str {
-        cut_words(self.warden.has_oe)
-    }
-}
-
-/// The actuators' end of a finger.
-pub(super) struct FingerEnd {
-    pub(super) banks: Clocked<SharedLine>,
-    pub(super) vote: Vote,
-    /// Its display's name on the bench.
-    pub(super) name: String,
-    /// All adapters of the bench, for the way out of a stop.
-    pub(super) adapters: Vec<PathBuf>,
-    /// What the guard stopped it for.
-    pub(super) stopped: Option<String>,
-}
-
-impl FingerEnd {
-    /// Returns when no other finger's transfer is on its bus.
-    pub(super) fn wait(&self) {
-        if let Some(line) = self.banks.bus_of(Board(0)) {
-            line.wait();
+        match self.warden.has_oe {
+            true => "outputs off by the OE line",
+            false => {
+                "no OE line is wired, so boards drive what they were last told until the bus answers"
+            }
         }
     }
 }
 
-impl DisplayEnd for FingerEnd {
+/// A finger whose boards are to be opened.
+#[derive(Clone, Copy)]
+pub(super) struct Wired<'a> {
+    pub(super) place: &'a Place,
+    /// The setup that it has alone.
+    pub(super) setup: &'a Setup,
+    pub(super) projector: &'a Projector,
+}
+
+/// The actuators' end of a finger on boards of this computer.
+pub struct Live {
+    banks: Clocked<SharedLine>,
+    vote: Vote,
+    /// All adapters of the bench, for the way out of a stop.
+    adapters: Vec<PathBuf>,
+    /// What the guardian found driving before it switched everything off, where this is the only display.
+    found: String,
+}
+
+impl Live {
+    /// Opens the adapters of a bench for the loops of its fingers, guardian last: from then on it can say off. Heat is booked
+    /// with `heat`. Returns an end for each, and what the guardian found driving, a line each.
+    pub(super) fn open(
+        setup: &Setup,
+        heat: Heat,
+        fingers: &[Wired<'_>],
+        clock: RunClock,
+    ) -> Result<(Vec<Self>, String), Failure> {
+        let real = real_of(setup)?;
+        // Displays that the scene does not drive are the guardian's as well.
+        let watch = watch(&setup.bench.value, real);
+        refuse_latched(&watch)?;
+        let (lines, guardian, found) = guarded(&watch)?;
+        let warden = Arc::new(Warden {
+            guardian: Mutex::new(guardian),
+            round: Arc::new(Round::new(fingers.len())),
+            is_awake: AtomicBool::new(false),
+            ready: Mutex::new(0),
+            all: (0..fingers.len()).fold(0, |all, finger| all | Round::bit(finger)),
+            has_oe: real.oe.is_some(),
+            parting: Mutex::default(),
+            heat: Arc::new(heat),
+        });
+        let mut shares: Vec<Vec<(SharedLine, Vec<u8>)>> = fingers.iter().map(|_| vec![]).collect();
+        for (bus, line) in lines.into_iter().enumerate() {
+            let own = fingers
+                .iter()
+                .map(|finger| plan::buses(&finger.setup.bench.value));
+            let own = own.map(|buses| buses.into_iter().nth(bus).unwrap_or_default());
+            let on = own.enumerate().filter(|(_, boards)| !boards.is_empty());
+            let on: Vec<(usize, Vec<u8>)> = on.collect();
+            let numbers: Vec<usize> = on.iter().map(|(finger, _)| *finger).collect();
+            let ends = SharedLine::share(line, warden.pulse(), &warden.round, &numbers);
+            for ((finger, boards), end) in on.into_iter().zip(ends) {
+                shares[finger].push((end, boards));
+            }
+        }
+        let mut ends = Vec::new();
+        for (number, (finger, lines)) in fingers.iter().zip(shares).enumerate() {
+            let (place, bench) = (finger.place, &finger.setup.bench.value);
+            let (lines, boards): (Vec<SharedLine>, Vec<Vec<u8>>) = lines.into_iter().unzip();
+            let lines = lines.into_iter().zip(boards.iter().map(|own| &**own));
+            let banks = Banks::new(lines, finger.projector.guard().prescale());
+            let banks = plan::with_converters(bench, banks);
+            let banks = match place.alone {
+                true => banks,
+                false => banks.sharing(&place.channels),
+            };
+            ends.push(Self {
+                banks: Clocked::new(banks, clock),
+                vote: Vote {
+                    warden: Arc::clone(&warden),
+                    finger: number,
+                    name: place.name.clone(),
+                },
+                adapters: real.i2c.clone(),
+                found: match place.name {
+                    None => found.clone(),
+                    Some(_) => String::new(),
+                },
+            });
+        }
+        Ok((ends, found))
+    }
+}
+
+impl DisplayEnd for Live {
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         (&mut self.banks, &self.vote)
     }
@@ -168,14 +267,56 @@ impl DisplayEnd for FingerEnd {
         fault.map_or_else(|| error.to_string(), ToString::to_string)
     }
 
-    /// The guardian's stop would end the other fingers too. It latches this one for the whole bench now, and says that
-    /// all is off when the run is over.
     fn keep_stopped(&mut self, cause: &str) -> Failure {
-        self.vote.warden.latch(&format!("{}: {cause}", self.name));
-        self.stopped = Some(cause.to_owned());
-        let clear = clear_words(&self.adapters);
+        self.vote.stop(cause);
+        let whose = if self.vote.name.is_some() { "its " } else { "" };
+        let adapters = self.adapters.iter();
+        let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
         Failure::Guard(format!(
-            "{cause}; its outputs are off and stay off. {clear}"
+            "{cause}; {whose}outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
+            adapters.collect::<String>()
         ))
+    }
+}
+
+/// The guardian watches over a finger among those of the bench.
+impl Watched for Live {
+    fn found(&self) -> &str {
+        &self.found
+    }
+
+    fn wait(&self) {
+        if let Some(line) = self.banks.bus_of(Board(0)) {
+            line.wait();
+        }
+    }
+
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn ledger(&self) -> Option<(&Arc<Heat>, usize)> {
+        Some((&self.vote.warden.heat, self.vote.finger))
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.vote.warden.is_gone()
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.vote.warden.give_up(cause);
+    }
+
+    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String> {
+        self.vote.warden.part(&self.vote, off, failed)
+    }
+}
+
+/// A loop that panicked has its guardian switch everything off. That of the only finger is dropped with it, and acts.
+impl Drop for Live {
+    fn drop(&mut self) {
+        if std::thread::panicking() && self.vote.name.is_some() {
+            self.vote.warden.give_up("a loop panicked");
+        }
     }
 }

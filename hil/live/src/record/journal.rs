@@ -37,8 +37,6 @@ pub struct Journal {
     /// A file that has to be read by somebody.
     stream: Option<PathBuf>,
     failed: Arc<AtomicBool>,
-    /// How many of the recorder's events have been handed over.
-    told: usize,
     /// What found no room in the queue.
     waiting: Piece,
     dropped: u64,
@@ -71,20 +69,12 @@ impl Journal {
             written,
             stream,
             failed,
-            told: 0,
             waiting: Piece::default(),
             dropped: 0,
         })
     }
 
     /// Hands over what is new, without waiting. All events of one instant have to be there.
-    pub fn tell(&mut self, events: &[Event], frames: Vec<Received>, taxels: Vec<TaxelFrame>) {
-        let events = events.get(self.told..).unwrap_or_default();
-        self.told += events.len();
-        self.add(events, frames, taxels);
-    }
-
-    /// The same of events that are all new.
     pub fn add(
         &mut self,
         events: &[Event],

@@ -55,7 +55,7 @@ fn pieces_make_the_same_files_as_a_whole_run() {
         false,
     )
     .unwrap();
-    let (mut sent, mut read) = (0, 0);
+    let (mut told, mut sent, mut read) = (0, 0, 0);
     for end in 0..=trace.events.len() {
         let at = |i: usize| trace.events.get(i).map(Event::t_ns);
         if end == trace.events.len() || at(end) != at(end.wrapping_sub(1)) {
@@ -68,11 +68,12 @@ fn pieces_make_the_same_files_as_a_whole_run() {
             let taxels = taxels.take_while(|f| f.t_us * 1000 < until);
             let taxels: Vec<_> = taxels.cloned().collect();
             read += taxels.len();
-            journal.tell(&trace.events[..end], due, taxels);
+            journal.add(&trace.events[told..end], due, taxels);
+            told = end;
             // The thread may be slower than this loop; nothing here is to be dropped.
             while !journal.waiting.events.is_empty() {
                 std::thread::yield_now();
-                journal.tell(&trace.events[..end], vec![], vec![]);
+                journal.add(&[], vec![], vec![]);
             }
         }
     }
@@ -118,7 +119,7 @@ fn contacts_of_several_displays_name_theirs_as_a_whole_run_does() {
     let about = About::Run(&trace.header, &[], &[]);
     let sinks = Sink::create_all(&files, &about, Outputs::default()).unwrap();
     let mut journal = Journal::start(sinks, false).unwrap();
-    journal.tell(&trace.events, vec![], vec![]);
+    journal.add(&trace.events, vec![], vec![]);
     journal.finish().unwrap();
     let mut whole = Vec::new();
     contacts_csv::write_table(&trace, &mut whole).unwrap();
@@ -151,7 +152,6 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
         written: sync_channel(1).1,
         stream: None,
         failed: Arc::default(),
-        told: 0,
         waiting: Piece::default(),
         dropped: 0,
     };
@@ -161,7 +161,7 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
     });
     let events = vec![note; 100];
     for turn in 0..100 {
-        journal.tell(&events[..=turn], vec![frame(); 1000], vec![]);
+        journal.add(&events[turn..=turn], vec![frame(); 1000], vec![]);
     }
     let held = 2 * 1000 + WAITING as u64;
     assert_eq!(journal.dropped(), 100_000 - held);
@@ -179,7 +179,7 @@ fn a_pipe_that_nobody_reads_is_given_up_at_the_end() {
     let sinks = Sink::create_all(&files, &About::Buses(&names), Outputs::default()).unwrap();
     let mut journal = Journal::start(sinks, false).unwrap();
     for _ in 0..10 {
-        journal.tell(&[], vec![frame(); 1000], vec![]);
+        journal.add(&[], vec![frame(); 1000], vec![]);
     }
     let said = journal.finish().unwrap_err();
     assert_eq!(said.status(), 3);

@@ -92,7 +92,7 @@ pub(super) fn listen(
             });
         }
         frames += fresh.len() as u64;
-        journal.tell(&[], fresh, Vec::new());
+        journal.add(&[], fresh, Vec::new());
         while let Some(note) = can.note() {
             notes.push(format!(
                 "{:.3} s: {}",

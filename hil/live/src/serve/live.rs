@@ -118,6 +118,12 @@ impl Live {
         self.hub.seen.load(Ordering::Relaxed)
     }
 
+    /// Whether a page has said STOP; a run asks this once every turn.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.hub.is_stopped()
+    }
+
     /// What its pages have in common with a run.
     pub(super) fn hub(&self) -> Arc<Hub> {
         Arc::clone(&self.hub)
