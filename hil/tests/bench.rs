@@ -21,6 +21,8 @@ mod damage;
 mod feed;
 #[path = "bench/guardian_faults.rs"]
 mod guardian_faults;
+#[path = "bench/hands.rs"]
+mod hands;
 #[path = "bench/lacks.rs"]
 mod lacks;
 #[path = "bench/ledger.rs"]

@@ -68,8 +68,8 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// From the moment at which somebody listens at `place`.
-    pub fn start(place: PathBuf) -> Self {
+    /// From the moment at which somebody listens at `place`, on a board of this number.
+    pub fn start(place: PathBuf, board: u8) -> Self {
         let frames = frames();
         let (over, paused) = (Arc::default(), Arc::default());
         let (ended, waits): (Arc<AtomicBool>, Arc<AtomicBool>) =
@@ -78,7 +78,7 @@ impl Feed {
             while !place.exists() && !ended.load(Ordering::Relaxed) {
                 thread::sleep(Duration::from_millis(1));
             }
-            play(frames, &place, &ended, &waits);
+            play((frames, board), &place, &ended, &waits);
         });
         Self {
             over,
@@ -88,7 +88,7 @@ impl Feed {
     }
 }
 
-fn play(frames: &[Sent], place: &Path, over: &AtomicBool, paused: &AtomicBool) {
+fn play((frames, board): (&[Sent], u8), place: &Path, over: &AtomicBool, paused: &AtomicBool) {
     let socket = UnixDatagram::unbound().unwrap();
     // Who is stopped reads nothing.
     socket
@@ -107,8 +107,11 @@ fn play(frames: &[Sent], place: &Path, over: &AtomicBool, paused: &AtomicBool) {
             begun += now - due;
         }
         if !paused.load(Ordering::Relaxed) {
+            let mut bytes = *bytes;
+            // An identifier ends in its board's number.
+            bytes[0] = bytes[0] & 0xF0 | board;
             // Nobody may be there any more.
-            let _ = socket.send_to(bytes, place);
+            let _ = socket.send_to(&bytes, place);
         }
         number += 1;
         if number == frames.len() {

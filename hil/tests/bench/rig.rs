@@ -309,7 +309,7 @@ impl Bench {
 
     /// Touches the skin, from when the run listens until what is returned is dropped.
     pub fn feed(&self) -> Feed {
-        Feed::start(self.path("lo.rx"))
+        Feed::start(self.path("lo.rx"), 4)
     }
 
     /// Switches off by `hil off`, to its end.
