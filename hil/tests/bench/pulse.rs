@@ -26,7 +26,7 @@ fn pulse(bench: &Bench, wire: &str) -> Said {
 
 /// Touches the skin of a pulse: it is listened to by one socket of the program, and then by another.
 fn feeds(bench: &Bench) -> [Feed; 2] {
-    [bench.feed(), Feed::start(bench.path("lo-1.rx"))]
+    [bench.feed(), Feed::start(bench.path("lo-1.rx"), 4)]
 }
 
 /// The object that a pulse prints.

@@ -377,7 +377,7 @@ impl<'a> World<'a> {
 
     /// Two programs, the second by another name: one drives at most.
     fn two(&mut self, after: Duration) {
-        let _feed = crate::feed::Feed::start(self.bench.path("lo-1.rx"));
+        let _feed = crate::feed::Feed::start(self.bench.path("lo-1.rx"), 4);
         let before = self.changes();
         let first = self.start(KILLED_S, false, None);
         first.ends_within(after);
