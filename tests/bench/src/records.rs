@@ -159,13 +159,13 @@ fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure
         {
             sent += 1;
         }
-        let past = |e: &Event| e.t_ns() < until * 1000;
-        while outcome.trace.events.get(told).is_some_and(past) {
-            told += 1;
-        }
+        let past = |e: &&Event| e.t_ns() < until * 1000;
+        let events = &outcome.trace.events[told..];
+        let events = &events[..events.iter().take_while(past).count()];
+        told += events.len();
         let frames = outcome.can[begin..sent].to_vec();
         let begun = clock::now();
-        journal.tell(&outcome.trace.events[..told], frames, Vec::new());
+        journal.add(events, frames, Vec::new());
         let us = begun.elapsed().as_secs_f64() * 1e6;
         samples.push(us);
         sum_us += us;

@@ -23,6 +23,7 @@ use palpate_buses::lock::BusLock;
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
+use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
@@ -30,7 +31,7 @@ use palpate_files::{BenchKind, Setup};
 use palpate_run::place::{Place, fingers};
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
-use palpate_run::{CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, plan, skin};
+use palpate_run::{CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, build, plan, skin};
 
 use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::note;
@@ -97,10 +98,11 @@ fn wired(
         true => only(setup),
         false => fingers(setup),
     };
-    let (planned, heat) = planned(setup, alone, seed)?;
-    for finger in &planned {
-        refuse_slow(real_of(setup)?, finger.projector.guard())?;
+    // Before anything is asked of the adapters: what a file says needs no hardware.
+    for (_, finger) in &alone {
+        refuse_slow(real_of(setup)?, build(finger, seed, Levels::Off)?.guard())?;
     }
+    let (planned, heat) = planned(setup, alone, seed)?;
     let run = Run::of(setup, planned, signals, wanted)?;
     let (clock, keeps_can) = (RunClock::start(), run.keeps_can());
     let fingers = run.fingers();
