@@ -58,14 +58,15 @@ export class Panels {
 
   numbers(picture) {
     for (const [key, share] of picture.used) this.limit(key, share);
+    const most = [400, 100]; // where the model of wire and skin ends
     [...by("wires").rows].forEach((row, i) => picture.warm[i].forEach((celsius, n) => {
-      const text = `${n ? "skin" : "wire"} ${Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;
+      const text = `${n ? "skin" : "wire"} ${celsius > most[n] ? `over ${most[n]} \u00b0C` : Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;
       if (row.cells[n + 1].textContent !== text) row.cells[n + 1].textContent = text;
     }));
     if (!picture.used.length && by("used-pulse")) by("used").replaceChildren(make("li", { className: "none", textContent: "not recorded" }));
     const [peak, , omega, cem43] = picture.hottest ?? [], { limits_c } = this.head;
     if (!picture.hottest) set("hottest", this.recorded() ?? (picture.warm.some(w => Number.isFinite(w[1])) ? "as recorded at each stimulus" : "nothing measures temperatures on this bench"));
-    else set("hottest", `hottest skin ${number(peak, 1)} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${omega.toExponential(1)}, CEM43 ${number(cem43, 2)} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
+    else set("hottest", `hottest skin ${peak <= most[1] ? number(peak, 1) : `over ${most[1]}`} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${omega.toExponential(1)}, CEM43 ${number(cem43, 2)} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
     const places = picture.contacts.map(c => `(${number(c.at_mm[0], 1)}, ${number(c.at_mm[1], 1)}) mm, ${number(c.counts, 0)} counts, level ${c.level}`);
     set("contacts", places.length ? `${places.length === 1 ? "contact" : `${places.length} contacts`} at ${places.join("; ")}` : "no contact");
   }

@@ -19,6 +19,14 @@ pub fn words(celsius: Option<f64>, most: f64) -> String {
     }
 }
 
+/// A temperature on a page: `34.9 °C`, or `> 100 °C` beyond the model.
+pub fn on_page(celsius: f64, most: f64) -> String {
+    match known(celsius, most) {
+        Some(celsius) => format!("{celsius:.1} \u{b0}C"),
+        None => format!("> {most:.0} \u{b0}C"),
+    }
+}
+
 #[cfg(test)]
 #[path = "model_tests.rs"]
 mod tests;

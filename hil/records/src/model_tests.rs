@@ -11,5 +11,6 @@ fn a_temperature_beyond_the_model_has_no_number() {
         let told = words(Some(beyond), TISSUE_C);
         assert_eq!(told, "beyond the model (over 100 C)");
         assert_eq!(known(beyond, WIRE_C), None);
+        assert_eq!(on_page(beyond, WIRE_C), "> 400 \u{b0}C");
     }
 }

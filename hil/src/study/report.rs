@@ -12,11 +12,13 @@ use palpate_study::{
 fn within(of: Option<&Estimate>, digits: usize, unit: &str) -> String {
     of.map_or_else(
         || "–".into(),
-        |w| {
-            format!(
+        |w| match w.low < w.high {
+            true => format!(
                 "{:.digits$} [{:.digits$}, {:.digits$}]{unit}",
                 w.value, w.low, w.high
-            )
+            ),
+            // One person has no interval.
+            false => format!("{:.digits$}{unit}", w.value),
         },
     )
 }
@@ -341,10 +343,13 @@ pub fn page(of: &Analysis) -> String {
     let people: String = of.participants.iter().map(participant).collect();
     let title = format!("Study {}", of.protocol);
     format!(
-        "{}<header><h1>{}</h1></header>\n<p class=\"sub\">{} participants. Blue is what was played or fitted, orange what was felt, with 95 % intervals.</p>{flag}{}{people}{}",
+        "{}<header><h1>{}</h1></header>\n<p class=\"sub\">{}. Blue is what was played or fitted, orange what was felt, with 95 % intervals.</p>{flag}{}{people}{}",
         head(&title),
         escape(&title),
-        of.participants.len(),
+        match of.participants.len() {
+            1 => "1 participant".to_owned(),
+            count => format!("{count} participants"),
+        },
         over_all(of),
         foot("", "")
     )

@@ -424,6 +424,21 @@ fn what_burns_is_the_last_that_one_reads_and_has_no_temperature() {
     let json = hil(&["run", "stuck-amplifier", "--json"]).out;
     let summary: Value = serde_json::from_str(&json).unwrap();
     assert_eq!(summary["hottest_wire_c"], Value::Null);
+    let folder = Folder::new("run-burns");
+    let page = folder.path("burns.html").display().to_string();
+    hil(&["run", "stuck-amplifier", "--quiet", "--html", &page]);
+    let page = fs::read_to_string(page).unwrap();
+    let shown = [
+        "&gt; 100 \u{b0}C",
+        "> 400 \u{b0}C",
+        "Lines end where the model does",
+    ];
+    for words in shown {
+        assert!(page.contains(words), "no `{words}`");
+    }
+    let mut numbers = page.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let told = ["5322.8", "1202.1"];
+    assert!(numbers.all(|number| !told.contains(&number)));
     // A scene that expects it passes as a trial, and its run is none the better.
     assert_eq!(hil(&["test", "stuck-amplifier"]).status, Some(0));
     let colored = hil(&["--color", "always", "run", "stuck-amplifier"]);

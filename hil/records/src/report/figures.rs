@@ -4,6 +4,7 @@ use super::svg::{Plot, escape, key, line_key, path_key};
 use super::{ReportExtras, paths, series, strip};
 use crate::bursts::bursts;
 use crate::measure;
+use crate::model;
 use crate::trace::{Trace, event};
 use std::fmt::Write;
 
@@ -152,11 +153,8 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
         "Sampled at each onset, before its burst heats the wire: the peaks within a burst are not drawn.",
     );
     if let Some((milli_c, wire)) = trace.ledger.hottest_wire {
-        let celsius = f64::from(milli_c) / 1000.0;
-        let _ = write!(
-            which,
-            " Hottest at any instant: wire {wire}, {celsius:.1} \u{b0}C."
-        );
+        let hottest = model::on_page(f64::from(milli_c) / 1000.0, model::WIRE_C);
+        let _ = write!(which, " Hottest at any instant: wire {wire}, {hottest}.");
     }
     if wires.len() < all {
         let _ = write!(which, " The {} hottest of {all} wires.", wires.len());

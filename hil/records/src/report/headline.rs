@@ -7,6 +7,7 @@ use crate::felt::{felt_level, felt_scores};
 use crate::fixed::distance2_um;
 use crate::margin::{Limited, Margin};
 use crate::measure::{Sum, path_error};
+use crate::model;
 use crate::trace::{Trace, event};
 use std::fmt::Write;
 
@@ -127,7 +128,11 @@ fn skin(of: &Margin) -> Tile {
     let more = format!("limit {:.0} \u{b0}C, 0.1 mm deep in the model", of.limit());
     Tile {
         warns: of.over(),
-        ..tile("hottest skin", format!("{:.1} \u{b0}C", of.worst()), more)
+        ..tile(
+            "hottest skin",
+            model::on_page(of.worst(), model::TISSUE_C),
+            more,
+        )
     }
 }
 

@@ -4,6 +4,7 @@ use super::scale::Scale;
 use super::timeplot::{Pen, TimePlot};
 use crate::frame_time::FrameTime;
 use crate::measure::{length_us, wire_tallies};
+use crate::model;
 use crate::trace::{Event, Trace, event};
 use palpate_core::statistics::quantile;
 use std::collections::BTreeSet;
@@ -127,7 +128,9 @@ pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> TimePlot {
             && let Some(slot) = wires.iter().position(|w| *w == usize::from(now.wire))
             && let Some(line) = lines.get_mut(slot)
         {
-            line.push((now.t_us, f64::from(now.milli_c) / 1000.0));
+            // Beyond the model there is nothing to draw.
+            let celsius = model::known(f64::from(now.milli_c) / 1000.0, model::WIRE_C);
+            line.extend(celsius.map(|celsius| (now.t_us, celsius)));
         }
     }
     let (low, high) = span(lines.iter().flatten().map(|p| p.1));

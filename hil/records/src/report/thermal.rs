@@ -5,6 +5,7 @@ use super::series::span;
 use super::svg::line_key;
 use super::timeplot::TimePlot;
 use crate::margin::{Limited, Margin};
+use crate::model::{TISSUE_C, WIRE_C, known as within};
 use crate::trace::{Ledger, Trace};
 use std::fmt::Write;
 
@@ -30,11 +31,20 @@ pub(super) fn section(page: &mut String, trace: &Trace, samples: &[Warmth]) {
     }
     let (skin, wire) = (skin(&trace.ledger, samples), wire(samples));
     let (mut legend, hottest) = (skin.legend.clone(), wire.legend.clone());
+    let is_whole = samples
+        .iter()
+        .all(|s| within(s.wire_c, WIRE_C).is_some() && within(s.shallow_c, TISSUE_C).is_some());
+    let ends = match is_whole {
+        true => String::new(),
+        false => format!(
+            " Lines end where the model does, skin at {TISSUE_C:.0} \u{b0}C and wire at {WIRE_C:.0} \u{b0}C."
+        ),
+    };
     line_key(&mut legend, "bound", "limit");
     let _ = writeln!(
         page,
         "<section><h2>Temperatures against their limits</h2><p class=\"sub\">Each point is the highest since the \
-         one before, of all wires; the mean is over ten seconds. A wire has no limit of its own.</p>\n\
+         one before, of all wires; the mean is over ten seconds. A wire has no limit of its own.{ends}</p>\n\
          {}{}<div class=\"legend\">{legend}{hottest}</div></section>",
         skin.finish(2, ""),
         wire.named().finish(2, "")
@@ -76,6 +86,7 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> TimePlot {
     let bounds = bounds.map(|(of, what)| (ledger.margin(of).map(Margin::limit), what));
     let limits = bounds.iter().filter_map(|b| b.0);
     let all = samples.iter().flat_map(|s| lines.map(|(of, ..)| of(s)));
+    let all = all.filter_map(|c| within(c, TISSUE_C));
     let label = "Skin temperatures and their limits against time";
     let values = all.chain(limits);
     let mut plot = plot((label, "skin [\u{b0}C]"), 230.0, samples, values, 0.5);
@@ -95,17 +106,21 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> TimePlot {
         }
     }
     for (of, class, name) in lines {
-        let points = samples.iter().map(|s| (micros(s.t_s), of(s)));
+        let points = samples
+            .iter()
+            .filter_map(|s| Some((micros(s.t_s), within(of(s), TISSUE_C)?)));
         plot.line(name, &format!("series {class}"), points);
     }
     plot
 }
 
 fn wire(samples: &[Warmth]) -> TimePlot {
-    let values = samples.iter().map(|s| s.wire_c);
+    let values = samples.iter().filter_map(|s| within(s.wire_c, WIRE_C));
     let named = ("Hottest wire against time", "hottest wire [\u{b0}C]");
     let mut plot = plot(named, 130.0, samples, values, 0.0);
-    let points = samples.iter().map(|s| (micros(s.t_s), s.wire_c));
+    let points = samples
+        .iter()
+        .filter_map(|s| Some((micros(s.t_s), within(s.wire_c, WIRE_C)?)));
     plot.line("hottest wire", "series w0", points);
     plot
 }
