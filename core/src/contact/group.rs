@@ -18,7 +18,7 @@ use crate::skin::layout::Layout;
 use crate::skin::relative::RelativeFrame;
 use crate::units::Point;
 
-/// What all scopes look at and no scope changes.
+/// State that every scope reads and none changes.
 #[derive(Clone, Debug)]
 pub(super) struct Shared {
     pub layout: Layout,

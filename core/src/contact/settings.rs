@@ -42,8 +42,8 @@ pub enum Levels {
 pub struct Settings {
     /// K_C: contacts per scope, 1 to 4096.
     pub clusters: u16,
-    /// What K_C may grow to while frames come ([`super::Compressor::allow`]), up to 4096. A smaller number than `clusters` keeps
-    /// it as it is.
+    /// Largest K_C while frames come ([`super::Compressor::allow`]), up to 4096. A number below `clusters` lets K_C grow no
+    /// further.
     pub growth: u16,
     /// What K_C and K_I count for.
     pub scope: Scope,

@@ -242,7 +242,7 @@ impl Projector {
         settings.growth > settings.clusters
     }
 
-    /// So many things touch: K_C is that from the next frame on, as far as its settings allow.
+    /// Sets K_C to the number of things that touch, from the next frame on and as far as the settings allow.
     pub fn touched(&mut self, count: usize) {
         self.sensing.allow(count);
     }

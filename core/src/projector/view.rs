@@ -38,7 +38,7 @@ impl Projector {
         self.view.map()
     }
 
-    /// How many of the newest contacts may drive the display, and how many of them lie on the part of the skin that it shows.
+    /// Number of newest contacts that may drive the display, and number of those on the part of the skin that it shows.
     pub fn found(&self) -> (usize, usize) {
         let found = Self::ours(&self.sensing, self.drives);
         let shown = found.clone().filter(|c| self.map().shows(c.place));

@@ -39,7 +39,7 @@ impl FileError {
     }
 }
 
-/// What the system says of a file, in words.
+/// Words for the system's error on a file.
 #[must_use]
 pub fn said(error: &io::Error) -> String {
     match error.kind() {

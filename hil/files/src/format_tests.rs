@@ -62,7 +62,7 @@ fn every_shipped_settings_file_is_toml() {
     }
 }
 
-/// As Git and editors of other systems leave it.
+/// Git and editors of other systems leave a file like this.
 #[test]
 fn a_heading_is_found_behind_a_mark_and_between_lines_of_windows() {
     let plain = "---\nsource: x\nwhy: y\n---\npalpate contacts of a (b)\n";

@@ -35,7 +35,7 @@ impl Scene {
         self.fingers.iter().all(|finger| named(&finger.display))
     }
 
-    /// What the scene wants and a bench lacks, in words.
+    /// Words for hardware that the scene wants and a bench lacks.
     #[must_use]
     pub fn misses(&self, bench: &Bench) -> Option<String> {
         let wanted = self.wants.as_ref()?;

@@ -1,4 +1,4 @@
-//! What scenes want, which bench they get, and which they are refused on.
+//! Scenes get the bench that they want, and are refused on one that lacks it.
 
 use super::*;
 use crate::source::Source;

@@ -1,5 +1,4 @@
-//! What the schema of a kind of file knows of its keys: which there are, and what may stand at one while the rest of a
-//! broken file is looked at.
+//! Keys of a kind of file by its schema, and values that stand in for a key while the rest of a broken file is read.
 
 use serde_json::Value;
 
@@ -19,7 +18,7 @@ pub(super) fn top_keys(schema: &Value) -> Vec<&str> {
     tables.flatten().map(|(key, _)| key.as_str()).collect()
 }
 
-/// How deep keys lie in tables at most.
+/// Largest depth of keys in tables.
 const DEEPEST: usize = 5;
 
 /// The keys of a kind of file by their full paths, outer ones first; one of an array's tables stands for all.
@@ -48,7 +47,7 @@ pub fn keys(kind: FileKind) -> Vec<String> {
     found
 }
 
-/// What an array holds, behind a reference or among choices.
+/// Shapes of an array's items, behind a reference or among choices.
 fn shapes_of_items<'s>(root: &'s Value, here: &'s Value) -> Option<&'s Value> {
     shapes(root, here).into_iter().find_map(|s| s.get("items"))
 }

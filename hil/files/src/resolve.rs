@@ -96,7 +96,7 @@ impl FileKind {
         did_you_mean(name, self.names().into_iter().chain(there))
     }
 
-    /// What may be named. Of a long shelf a command lists the names.
+    /// Names to choose from, or the command that lists them where they are many.
     fn choices(self) -> String {
         let names = self.names();
         let names = match names.len() > MOST_NAMES {

@@ -1,4 +1,4 @@
-//! What a bench may have and a scene may want of it.
+//! Capabilities of a bench that a scene may want.
 
 use super::bench::Bench;
 use super::error::FileError;
@@ -7,7 +7,7 @@ use super::source::Source;
 
 /// Something that a bench has or lacks.
 pub(super) struct Capability {
-    /// Its name in files.
+    /// Name in files.
     pub name: &'static str,
     /// The thing in words.
     pub words: &'static str,
@@ -38,7 +38,7 @@ static CAPABILITIES: [Capability; 3] = [
     },
 ];
 
-/// What is wanted by a name; none where that is a bench.
+/// Capability of a name; none where the name is a bench's.
 pub(super) fn capability(name: &str) -> Option<&'static Capability> {
     CAPABILITIES.iter().find(|of| of.name == name)
 }

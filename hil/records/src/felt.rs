@@ -27,7 +27,7 @@ pub struct FeltScore {
     /// Place against the mapped contact, display space, over the onsets with the contact inside the display. The place is
     /// that of the wires' motion, whether the level reaches the threshold or not. `None` where no wire moved.
     pub errors: Option<Errors>,
-    /// The same over all onsets, with the contact inside the display or not.
+    /// Errors over all onsets, with the contact inside the display or not.
     pub everywhere: Option<Errors>,
     /// Onsets with the contact inside the display and a level below 0 dB.
     pub breaks: u64,

@@ -1,4 +1,4 @@
-//! What lies beyond the model has no number.
+//! A temperature beyond the model has no number.
 
 use super::*;
 

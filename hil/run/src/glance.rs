@@ -1,4 +1,4 @@
-//! What a run came to at a glance: eight lines of 80 columns, the verdict last.
+//! A run at a glance: eight lines of 80 columns, the verdict last.
 
 use std::io::{self, Write};
 
@@ -109,7 +109,7 @@ impl Summary {
         format!("{:.2} mm RMSE over all, {inside}", all.rmse)
     }
 
-    /// What to do next.
+    /// Advice on the next step.
     fn next(&self) -> &'static str {
         match self.conclusion.verdict {
             Verdict::BeyondTheModel => {

@@ -12,12 +12,12 @@ pub struct Onsets {
     /// Onsets at which something touched the skin that drives the display: by the truth, or where that is not known by the
     /// contacts that were found.
     pub touched: u64,
-    /// Those of them at which all of it lay beyond the part of the skin that the display shows.
+    /// Onsets at which every touch lay beyond the part of the skin that the display shows.
     pub off_pad: u64,
     /// Onsets at which something was to be felt: a contact on the display, a touch on what it shows, or pulses of a texture
     /// that has the display to itself.
     pub meant: u64,
-    /// Those of them at which a touch made no contact.
+    /// Onsets that were to be felt and at which a touch made no contact.
     pub unfound: u64,
     /// Onsets that were to be felt and were; null where no person is emulated.
     pub felt: Option<u64>,

@@ -118,7 +118,7 @@ impl Truth {
         }
     }
 
-    /// What touches where fingers join a scene.
+    /// Touches of a scene that fingers join.
     fn playing(&self, t_s: f64) -> Vec<(TouchPoint, [f64; 2])> {
         let Self::Played(touches, fingers, drives) = self else {
             return Vec::new();
@@ -151,7 +151,7 @@ fn only(mut now: impl Iterator<Item = (TouchPoint, [f64; 2])>) -> Option<(Point,
     now.next().is_none().then_some(only)
 }
 
-/// Where and how hard (N) something presses, if it does.
+/// Place and force (N) of a touch that presses.
 fn pressing((touch, [x, y]): (TouchPoint, [f64; 2])) -> Option<(Point, f64)> {
     let place = Point::new((touch.x_mm + x) as f32, (touch.y_mm + y) as f32);
     (touch.force_n > 0.0).then_some((place, touch.force_n))
@@ -201,7 +201,7 @@ pub struct Recorder {
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
     pub onsets: (u64, u64),
-    /// What touched at onsets, and what was felt of it.
+    /// Touches at onsets, and whether they were felt.
     pub met: Onsets,
     /// Whether a wire was driven since the newest onset was scored.
     pub pulsed: bool,
@@ -323,7 +323,7 @@ impl Recorder {
         }
     }
 
-    /// How many things press on the driving module; none where that is not known.
+    /// Number of touches that press on the driving module; none where that is not known.
     pub fn touches_at(&self, at: Instant) -> usize {
         self.truth.places(at).map_or(0, |places| places.len())
     }

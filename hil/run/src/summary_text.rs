@@ -32,7 +32,7 @@ fn counted(count: u64, one: &str) -> String {
     }
 }
 
-/// The same behind a comma; nothing where nothing was measured.
+/// A count behind a comma; nothing where nothing was measured.
 fn and_counted(count: Option<u64>, one: &str) -> String {
     count.map_or_else(String::new, |n| format!(", {}", counted(n, one)))
 }

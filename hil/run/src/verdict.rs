@@ -141,7 +141,7 @@ fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
     conclusion.add(Verdict::BeyondTheModel, text);
 }
 
-/// What lay beyond the display, and what of the rest was not felt; of several displays each by its name.
+/// Adds the shares of onsets beyond the display and of those not felt, for each of several displays by its name.
 fn unfelt(summary: &Summary, conclusion: &mut Conclusion) {
     let displays = summary.displays.iter();
     let mut each: Vec<_> = displays

@@ -86,7 +86,7 @@ enum Kept {
     Object(Value),
 }
 
-/// What is expected of a result.
+/// Kinds of results, as errors name them.
 const EXPECTED: &str = "a summary (`hil run --json`), a folder of `hil run --out`, a table of `hil sweep`, or another result in JSON";
 
 fn gone(path: &Path) -> FileError {

@@ -16,7 +16,7 @@ use palpate_files::{FileError, Format, LONGEST_LINE, Lines, format_of};
 use palpate_live::output::{note, print, print_json};
 use palpate_run::{Failure, damaged};
 
-/// What a run writes into a folder that `diff` compares.
+/// Files of a run's folder that `diff` compares.
 const IN_FOLDERS: [&str; 2] = ["schedule.jsonl", "contacts.csv"];
 
 /// Compares two files, or those of two folders.
@@ -86,7 +86,7 @@ fn pairs(a: &Path, b: &Path) -> Result<Vec<(PathBuf, PathBuf)>, FileError> {
     Ok(vec![one])
 }
 
-/// What two files differ by.
+/// Differences of two files.
 fn found(args: &DiffArgs, path_a: &Path, path_b: &Path) -> Result<Told, Failure> {
     let thousandths = |value: f64| (value * 1e3).round() as u64;
     let edge_us = args.tolerance_ms.map(thousandths);

@@ -87,7 +87,7 @@ fn hear(plan: &PulsePlan) -> Result<(), Failure> {
     }
 }
 
-/// How a run that sent this ends the command.
+/// Ends the command as a run that sent this demands.
 fn concluded(outcome: Outcome, sent: &Sent) -> Result<(), Failure> {
     let conclusion = &outcome.summary.conclusion;
     if conclusion.verdict == Verdict::LimitExceeded {
@@ -104,7 +104,7 @@ fn concluded(outcome: Outcome, sent: &Sent) -> Result<(), Failure> {
     }
 }
 
-/// What a run drove.
+/// Stimuli that a run drove.
 #[derive(Default)]
 struct Sent {
     /// The pulse, as the guard passed it.
@@ -131,7 +131,7 @@ impl Sent {
     }
 }
 
-/// What the pulse is: how long, how strong, how warm.
+/// Words on the pulse: its length, strength and warmth.
 fn what(plan: &PulsePlan, judged: &Judged, setup: &Setup) -> String {
     let pulses = match plan.pulses {
         1 => "one pulse".to_owned(),
@@ -164,7 +164,7 @@ fn kind(setup: &Setup) -> &'static str {
     }
 }
 
-/// How long the wire's channel is on, ms.
+/// Time that the wire's channel is on, ms.
 fn length_ms(entry: &Entry) -> f64 {
     entry.until.since(entry.at).as_micros() as f64 * 1e-3
 }
@@ -205,7 +205,7 @@ fn agreed(
     }
 }
 
-/// What is near its limit after the pulse: each share that is used, the most first.
+/// Row of the guard that the pulse leaves nearest to its limit, with the used share.
 fn nearest(used: &Used) -> (&'static str, f64) {
     let heat = used
         .rows()
@@ -265,7 +265,7 @@ fn told(plan: &PulsePlan, judged: &Judged, sent: &Sent, outcome: &Outcome) -> Ve
     vec![line, next(plan)]
 }
 
-/// What to look for, and what to do where it is not seen.
+/// Advice on the twitch to look for, and on what to check where none is seen.
 fn next(plan: &PulsePlan) -> String {
     format!(
         "Look for a twitch of this wire, and of no other; one pulse alone may be too weak to feel. None: check its amplifier, supply and plug, and that output {} of the bench is its channel; `hil pulse` of its neighbours shows swapped ones; then `hil doctor`",

@@ -1,5 +1,5 @@
-//! Which pulse `hil pulse` sends: the smallest one whose bursts the wire's response lets its wearer feel, as a scene of a bench, and what
-//! the guard makes of it.
+//! Pulse of `hil pulse`: the smallest one whose bursts the wearer feels by the wire's response, as a scene of a bench, and
+//! the guard's answer to it.
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Predicted, Used};
@@ -15,11 +15,11 @@ use crate::cli::PulseArgs;
 
 /// The skin's boards are heard by then and the wire is heated, s.
 const BEFORE_S: f64 = 0.7;
-/// What the pulse may still need to end, s.
+/// Time that the pulse may still need to end, s.
 const AFTER_S: f64 = 0.05;
 /// Levels of a scene count from the wearer's threshold: at none above it lies the smallest pulse that is felt.
 const FELT_DB: f64 = 0.0;
-/// So many frames make no reference within the scene: what touches the skin meanwhile is no contact and heats nothing.
+/// Reference frames, too many for the scene's length: a touch meanwhile makes no contact and heats nothing.
 const NO_REFERENCE: u32 = 100_000;
 /// Ticks of a PWM period.
 const TICKS: f64 = 4096.0;
@@ -41,9 +41,9 @@ pub(super) struct PulsePlan {
     pub felt: bool,
 }
 
-/// What the guard makes of the pulse with the heat and dose that are kept of earlier runs.
+/// The guard's answer to the pulse, with the heat and dose that are kept of earlier runs.
 pub(super) struct Judged {
-    /// What it passes.
+    /// Entry that the guard passes.
     pub entry: Entry,
     /// Nominal width, us.
     pub width_us: f64,
@@ -57,7 +57,7 @@ pub(super) struct Judged {
     pub used: Used,
 }
 
-/// What a scene of a plan lets a wire do.
+/// Stimulus of a plan's scene.
 enum Part {
     /// Nothing: the skin is heard.
     Silence,
@@ -148,10 +148,10 @@ impl PulsePlan {
         self.setup(&Part::Pulse)
     }
 
-    /// The same without a pulse.
+    /// The pulse's setup without the pulse.
     ///
     /// # Errors
-    /// As [`Self::pulse`].
+    /// The errors of [`Self::pulse`].
     pub fn silence(&self) -> Result<Setup, Failure> {
         self.setup(&Part::Silence)
     }
@@ -208,7 +208,7 @@ impl PulsePlan {
         Ok(text)
     }
 
-    /// How many modules the skin has.
+    /// Number of the skin's modules.
     fn modules(&self) -> Result<usize, Failure> {
         Ok(match load_layout(&self.layout)?.value {
             palpate_files::LayoutFile::Sensor(sensor) => sensor.modules.len(),
@@ -216,7 +216,7 @@ impl PulsePlan {
         })
     }
 
-    /// What the guard makes of the pulse, from what the ledger keeps of hardware; an emulated bench is at rest.
+    /// The guard's answer to the pulse, from the ledger's heat of hardware; an emulated bench is at rest.
     ///
     /// # Errors
     /// [`Failure::Guard`] where heat or dose cannot be read, the dose is spent, or nothing is left for a pulse.

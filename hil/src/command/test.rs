@@ -255,7 +255,7 @@ pub(super) fn goldens_of(member: &Member, bench: &Loaded<Bench>) -> Option<Golde
     file.map(|file| Goldens::of(file, &bench.value.name))
 }
 
-/// How the trial of a scene that is not tried on a bench ends; none where it is tried.
+/// End of the trial of a scene that is not tried on a bench; none where it is tried.
 pub(super) fn why_not(
     member: &Member,
     bench: &Loaded<Bench>,
@@ -319,7 +319,7 @@ fn one(
     Ok((trial, halt))
 }
 
-/// What to do about goldens that changed, and about those that hold other benches alone.
+/// Advice on goldens that changed, and on those that hold other benches alone.
 fn remark(held: &Held, goldens: Option<&Goldens>) -> Option<String> {
     if let Some(folder) = &held.waits {
         let folder = folder.display();

@@ -1,4 +1,4 @@
-//! What `hil test` tries: scenes with the values of the command line, by the bench that they are tried on.
+//! Stages of `hil test`: scenes with the values of the command line, by the bench that they are tried on.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What `hil test` says: a line per trial, the slowest, counts, one object for programs.
+//! Output of `hil test`: a line per trial, the slowest, counts, one object for programs.
 
 use std::io::{self, Write};
 
@@ -11,7 +11,7 @@ use crate::trial::{Trial, TrialEnd};
 
 /// Measurements on the line of a trial that passed, and trials that are named for their time.
 const SHOWN: usize = 3;
-/// What trials of files that hold nothing, or cannot be read, are listed under in place of a bench.
+/// Heading in place of a bench for files that hold nothing or cannot be read.
 pub(super) const FILES: &str = "files";
 
 /// A line for the trial, and more where something is wrong.
@@ -58,7 +58,7 @@ pub(super) fn slowest(trials: &[&Trial], out: &mut dyn Write) -> io::Result<()> 
     writeln!(out, "slowest: {}", words.collect::<Vec<_>>().join(", "))
 }
 
-/// How many trials ended in which way.
+/// Number of trials by the way they ended.
 pub(super) fn counts(trials: &[&Trial]) -> String {
     let count = |counts: fn(&TrialEnd) -> bool| trials.iter().filter(|t| counts(&t.end)).count();
     let (passed, failed) = (
@@ -115,7 +115,7 @@ pub(super) fn json(
     let trials: Vec<serde_json::Value> = suites.iter().flat_map(of).collect();
     let benches = suites.iter().map(|(bench, _)| bench.as_str());
     let benches: Vec<&str> = benches.filter(|bench| *bench != FILES).collect();
-    /// In this order: the verdict first.
+    /// Keys in this order: the verdict first.
     #[derive(Serialize)]
     struct All<'a> {
         verdict: Verdict,

@@ -27,7 +27,7 @@ pub struct Difference {
     pub a: Option<String>,
     /// What the second file says.
     pub b: Option<String>,
-    /// How much the number grew, as a part of the first one; none of zero, of a unit without one such as dB, and where it is no
+    /// Growth of the number, as a part of the first one; none of zero, of a unit without one such as dB, and where it is no
     /// number.
     pub change: Option<f64>,
     /// The second number less the first; none where it is no number.
@@ -40,7 +40,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Of two numbers in a unit.
+    /// Difference of two numbers in a unit.
     pub fn of_numbers(figure: String, (a, b): (f64, f64), unit: &str) -> Self {
         let change = (b - a) / a.abs();
         Self {
@@ -54,7 +54,7 @@ impl Difference {
         }
     }
 
-    /// How much it grew, in words: `+5.6 %`, `+0.09 dB`; empty where it is no number.
+    /// Growth in words: `+5.6 %`, `+0.09 dB`; empty where it is no number.
     pub fn grown(&self) -> String {
         match (self.change.map(|part| part * 100.0), self.difference) {
             (Some(percent), _) if percent.abs() > 1e6 => "> 1e6 %".to_owned(),
@@ -98,11 +98,11 @@ impl Difference {
 /// A figure that has a name, of both results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Named {
-    /// Its key in tables.
+    /// Key in tables.
     pub key: &'static str,
-    /// What it is, as people read it.
+    /// Name for people.
     pub figure: &'static str,
-    /// Its unit; empty for a count.
+    /// Unit; empty for a count.
     pub unit: &'static str,
     /// The first result's value; none where it has none.
     pub a: Option<f64>,
@@ -113,7 +113,7 @@ pub struct Named {
 }
 
 impl Named {
-    /// Of two results; none where neither has a value.
+    /// Difference of two results; none where neither has a value.
     pub fn of(measured: &Measured, of: [&Values; 2], tolerance: Tolerance) -> Option<Self> {
         let [a, b] = of.map(|values| values.get(measured.key).copied());
         let differs = match (a, b) {
@@ -136,7 +136,7 @@ impl Named {
         value.map_or_else(|| "-".to_owned(), short)
     }
 
-    /// How much it grew, in words; empty where it did not.
+    /// Growth in words; empty where there is none.
     pub fn grown(&self) -> String {
         match (self.a, self.b) {
             (Some(a), Some(b)) if self.differs => {

@@ -18,7 +18,7 @@ const TWINS: [(&str, &str); 4] = [
     ("/felt/breaks", "/felt_error_mm/breaks"),
     ("/felt/jumps", "/felt_error_mm/jumps"),
 ];
-/// What follows from the other keys of a margin.
+/// Keys of a margin that follow from its other keys.
 const OF_A_MARGIN: [&str; 2] = ["margin", "used"];
 
 /// A value that holds no other, and its unit where its key or what it lies in says so.
@@ -130,7 +130,7 @@ fn flatten<'v>(
     }
 }
 
-/// What an item of a list is called by: its name, or the corner of a band that it is.
+/// Name of an item of a list: its own, or the corner of a band that it is.
 fn name(item: &Value) -> Option<String> {
     let own = NAMES.iter().find_map(|name| item.get(name)?.as_str());
     let corner = || {

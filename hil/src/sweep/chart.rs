@@ -95,8 +95,8 @@ fn wide_enough(ends: Option<(f64, f64)>, unit: &str) -> (f64, f64) {
     }
 }
 
-/// What each line has at each place, for the script of the page (`values.js`): the pixel, the place, and of each line its
-/// colour and words.
+/// Values of lines by place, for the script of the page (`values.js`): the pixel, the place, and colour and words of each
+/// line.
 fn values(lines: &[Line], plot: &Plot, (x, x_unit): Named<'_>, y_unit: &str) -> String {
     let spots = || lines.iter().flat_map(|line| &line.spots);
     if spots().count() > TOLD {

@@ -1,4 +1,4 @@
-//! What an axis spans, and what the pointer is told.
+//! Span of an axis, and values under the pointer.
 
 use super::*;
 

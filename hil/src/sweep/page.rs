@@ -20,7 +20,7 @@ pub fn head(title: &str, conclusion: &Conclusion) -> String {
     )
 }
 
-/// What shows the values of charts under the pointer.
+/// Script that shows the values of charts under the pointer.
 const SCRIPT: &str = include_str!("values.js");
 
 /// The end of a page.

@@ -30,7 +30,7 @@ pub struct Goldens {
     stem: String,
 }
 
-/// What goldens had to do with a trial.
+/// Goldens that held a trial, or should have.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Held {
     /// Kinds that the run was held against.
@@ -67,7 +67,7 @@ impl Goldens {
         &self.folder
     }
 
-    /// What their names begin with: the scene's file, and the bench if it is not the one that ships.
+    /// Begin of the goldens' names: the scene's file, and the bench if it is not the one that ships.
     pub fn stem(&self) -> &str {
         &self.stem
     }
@@ -187,7 +187,7 @@ impl Goldens {
     }
 }
 
-/// What a golden's name is made of: scene and bench, and its kind; none of a file that is no golden of a scene.
+/// Parts of a golden's name, scene and bench, and its kind; none for a file that is no golden of a scene.
 pub(super) fn parts(path: &Path) -> Option<(&str, &str)> {
     let name = path.file_name()?.to_str()?.strip_suffix(".snap")?;
     name.rsplit_once('.')

@@ -35,7 +35,7 @@ pub use unclaimed::unclaimed;
 pub enum TrialEnd {
     /// Everything as expected, at once.
     Passed,
-    /// As expected, of a run whose verdict is none that fails: what a person felt of it, or where it lay.
+    /// Expected end of a run whose verdict fails nothing: `NOT FELT` or `OFF THE PAD`.
     Noted(Conclusion),
     /// As expected only after the tries that are listed.
     Unstable(Vec<String>),
@@ -114,7 +114,7 @@ pub struct Trial {
     pub took: Duration,
     /// A line beside the verdict: what the operator should know.
     pub remark: Option<String>,
-    /// What goldens had to do with it.
+    /// Goldens that held the trial.
     pub goldens: Held,
 }
 

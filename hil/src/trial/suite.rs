@@ -12,7 +12,7 @@ use palpate_run::Failure;
 const SKIPPED: [&str; 2] = ["target", "node_modules"];
 /// How deep folders are searched.
 const DEPTH: usize = 8;
-/// What a folder of goldens is called.
+/// Name of a folder of goldens.
 const GOLDENS: &str = "goldens";
 /// What a folder's own quarantine is called.
 const QUARANTINE: &str = "quarantine.toml";

@@ -12,7 +12,7 @@ use crate::feed::{self, Feed};
 use crate::rig::{Bench, OFF_MS, is_on, is_soon, now_ns, on_bench};
 use crate::run::Run;
 
-/// What a run is given to end.
+/// Time that a run is given to end.
 const END: Duration = Duration::from_secs(9);
 /// The guard's limit of one burst.
 const BURST_MS: f64 = 50.0;

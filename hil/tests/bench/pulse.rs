@@ -10,7 +10,7 @@ use crate::feed::Feed;
 use crate::rig::{Bench, is_soon, now_ns, on_bench};
 use crate::run::Said;
 
-/// What a command is given to end.
+/// Time that a command is given to end.
 const END: Duration = Duration::from_secs(12);
 /// The guard's limit of one burst.
 const BURST_MS: f64 = 50.0;

@@ -182,7 +182,7 @@ impl Ward {
         self.run_heard(event, scene_file, options, |_| {})
     }
 
-    /// As [`Self::run_until`]; `hear` gets what the run has said, again and again, until then.
+    /// Runs a command as [`Self::run_until`] does; `hear` gets its words so far, again and again.
     pub fn run_heard(
         &mut self,
         event: &str,

@@ -1,4 +1,4 @@
-//! What a run in real time asks of its ends beside sensing and driving, and how sessions between them begin and part.
+//! Duties of both ends of a run in real time beside sensing and driving; the begin and the leave of sessions between them.
 
 use std::sync::Arc;
 

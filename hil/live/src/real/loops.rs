@@ -26,7 +26,7 @@ const ROUND: Elapsed = Elapsed::from_millis(50);
 const WAIT: Duration = Duration::from_millis(1);
 /// A loop says at least this often how far it is.
 const SAY: Duration = Duration::from_millis(10);
-/// Those who look on see this often how things are, at most.
+/// Shortest time between two pictures for those who look on.
 const SHOW: Duration = Duration::from_millis(4);
 /// Another finger's transfer that holds a bus for longer has failed: adapters with a limit get as long.
 const HELD_UP: Duration = Duration::from_millis(20);
@@ -52,7 +52,7 @@ pub(super) struct Shared<'a> {
     turning: AtomicUsize,
 }
 
-/// What a loop leaves behind.
+/// A loop that has ended.
 pub(super) struct Done<S, D> {
     pub(super) session: Session<S, D>,
     pub(super) lateness: Lateness,
@@ -65,7 +65,7 @@ pub(super) struct Done<S, D> {
 }
 
 impl<'a> Shared<'a> {
-    /// What loops look at that have not begun: the interfaces and priority of their bench, and the end of the run.
+    /// Common state of loops that have not begun: interfaces and priority of their bench, and the end of the run.
     pub(super) fn new(
         (can, realtime): (&'a [String], Option<bool>),
         (signals, wanted): (&'a Signals, Wanted<'a>),
@@ -263,7 +263,7 @@ impl<'a> Turns<'a> {
         (end, is_off)
     }
 
-    /// Before a turn: this finger's part of the heartbeat, STOP, signals, records.
+    /// Attends before a turn to this finger's part of the heartbeat, STOP, signals and records; returns whether the run goes on.
     fn goes_on<S: Sensed, D: Watched>(
         &mut self,
         session: &mut Session<S, D>,

@@ -41,7 +41,7 @@ use bench::real_of;
 use run::{Run, planned};
 use warden::Wired;
 
-/// What a stop by a page is called where it is kept.
+/// Cause of a stop by a page, as it is kept.
 const STOPPED_BY_PAGE: &str = "STOP on a page";
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;

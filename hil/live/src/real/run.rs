@@ -38,7 +38,7 @@ pub(super) struct Planned {
     pub(super) projector: Projector,
 }
 
-/// What is kept of it beside its loop.
+/// A finger's description beside its loop.
 type Finger = (Place, Setup, Header);
 
 /// Every finger's loop, with its place on the grid of onsets, and what heat is booked with. Each has this setup alone.
@@ -81,7 +81,7 @@ fn levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
 pub(super) struct Run<'a> {
     setup: &'a Setup,
     planned: Vec<Planned>,
-    /// Of each finger, where decoded taxels are recorded.
+    /// Decoded taxels of each finger, where they are recorded.
     taxels: Vec<Option<Readings>>,
     records: Records,
     signals: Signals,
@@ -285,7 +285,7 @@ fn whole<S: Sensed, D: Watched>(
     whole
 }
 
-/// What a finger came to.
+/// Outcome of a finger.
 fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<S, D>) -> Outcome {
     let session = &mut done.session;
     let costs = session.take_costs();
@@ -348,7 +348,7 @@ fn ends_of_boards<S, D>(fingers: &[Finger], done: &[Done<S, D>]) -> Vec<Event> {
     boards.into_iter().filter_map(off).collect()
 }
 
-/// What has come over every interface: frames are each finger's own, what befell the interface all of them saw.
+/// Reports of every interface: frames add up over fingers, faults of the interface were seen by all of them.
 fn interfaces(real: &Real, parts: &[Part]) -> Vec<CanReport> {
     let of = |name: &String| {
         let all = parts.iter().flat_map(|p| &p.outcome.summary.can);

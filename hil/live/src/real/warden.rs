@@ -36,14 +36,14 @@ struct Warden {
     heat: Arc<Heat>,
 }
 
-/// What fingers say that have ended.
+/// Words of fingers that have ended.
 #[derive(Default)]
 struct Parting {
-    /// Which have, a bit each.
+    /// Fingers that have ended, a bit each.
     ended: u32,
     /// Why wires may still be on.
     left: Vec<String>,
-    /// What stays latched until a person has looked.
+    /// Causes that stay latched until a person has looked.
     stopped: Vec<String>,
 }
 
@@ -111,7 +111,7 @@ impl Warden {
 struct Vote {
     warden: Arc<Warden>,
     finger: usize,
-    /// Its display's name; none for the only display of a bench.
+    /// Name of the finger's display; none for the only display of a bench.
     name: Option<String>,
 }
 
@@ -181,7 +181,7 @@ pub struct Live {
     vote: Vote,
     /// All adapters of the bench, for the way out of a stop.
     adapters: Vec<PathBuf>,
-    /// What the guardian found driving before it switched everything off, where this is the only display.
+    /// Outputs that the guardian found driving before it switched everything off, where this is the only display.
     found: String,
 }
 

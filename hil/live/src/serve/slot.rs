@@ -42,7 +42,7 @@ impl Slot {
         }
     }
 
-    /// What was not taken is of a run that is over.
+    /// Drops a picture of a run that is over.
     pub(super) fn forget(&self) {
         self.held().picture = None;
     }

@@ -1,4 +1,4 @@
-//! What was felt over time: how far each onset is over threshold, and how far from the true place.
+//! Felt level of each onset over threshold, and its distance from the true place, over time.
 
 use super::scale::Scale;
 use super::series::{dots, span};

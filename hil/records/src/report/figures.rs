@@ -61,7 +61,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     [on_pad, on_display]
 }
 
-/// What the felt path counts, and why a phantom breaks. Empty where nothing was projected.
+/// Words on the onsets that the felt path counts, and on why a phantom breaks. Empty where nothing was projected.
 fn felt_in_words(trace: &Trace) -> String {
     let (mut scored, mut breaks, mut beyond) = (0u64, 0u64, 0u64);
     for onset in trace.each::<event::Felt>() {

@@ -66,7 +66,7 @@ pub(super) fn tiles(page: &mut String, trace: &Trace, band: &[BandRow]) {
     page.push_str("</dl>\n");
 }
 
-/// How many of the onsets with one contact are felt.
+/// Number of felt onsets among those with one contact.
 fn onsets(trace: &Trace) -> Option<Tile> {
     let all = trace.each::<event::Felt>().count();
     let felt = trace.each::<event::Felt>().filter(|onset| onset.is_felt());

@@ -48,7 +48,7 @@ pub struct SummaryRow {
 /// The felt level of one kind of wires by one person, from the least to the most gain of what is not measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandRow {
-    /// How the wires lie.
+    /// State of the wires, `loose` or `taut`.
     pub wires: String,
     /// The person.
     pub person: String,
@@ -70,7 +70,7 @@ pub struct ReportExtras<'a> {
     /// More lines for the summary. Path error, felt error, time per frame and the ledger are there
     /// without being named here.
     pub summary: &'a [SummaryRow],
-    /// How far the felt level reaches over what is not measured, where that is known.
+    /// Range of the felt level over unmeasured properties, where that is known.
     pub band: &'a [BandRow],
     /// What every taxel read, where that was kept.
     pub readings: Option<&'a Readings>,

@@ -219,7 +219,7 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
     page.push_str("</div>\n");
 }
 
-/// How far the felt level reaches over what is not measured; nothing where that is not known.
+/// Table of the felt level's range over unmeasured properties; nothing where that is not known.
 pub(super) fn band(page: &mut String, rows: &[BandRow]) {
     let Some(first) = rows.first() else {
         return;

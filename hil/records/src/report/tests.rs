@@ -112,7 +112,7 @@ fn frames_are_drawn_as_far_as_they_are_known() {
     assert!(!page.contains(section) && page.contains("Contact path on the sensor"));
 }
 
-/// What stands between two texts.
+/// Text between two others.
 fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
     let (_, rest) = page.split_once(from).unwrap();
     rest.split_once(to).unwrap().0

@@ -86,7 +86,7 @@ fn a_text_is_read_back_as_the_story_it_was() {
     assert_eq!(read.text(), long.text());
 }
 
-/// As Git and editors of other systems leave it.
+/// Git and editors of other systems leave a file like this.
 #[test]
 fn a_golden_behind_a_mark_with_lines_of_windows_is_the_same_golden() {
     let plain = schedule_golden(&synthetic::circle(1));

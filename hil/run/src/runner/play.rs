@@ -164,7 +164,7 @@ impl<'a> Finger<'a> {
         }
     }
 
-    /// What no loop drives any more is looked at to the end: its wires cool, and a shorted amplifier heats on.
+    /// Watches a finger that no loop drives any more: its wires cool, and a shorted amplifier heats on.
     fn rest(&mut self, now: Instant) -> Result<(), Failure> {
         let (display, projector, recorder) = self.session.all();
         display.fail(now, false, None, &mut recorder.events);
@@ -196,7 +196,7 @@ impl<'a> Finger<'a> {
         })
     }
 
-    /// What the finger came to until `end`, with everything off. Its skin's buses and their frames are left to the run.
+    /// Outcome of the finger until `end`, with everything off. Buses and frames of its skin are the run's.
     fn outcome(mut self, end: Instant, host: &mut dyn Host) -> Result<Outcome, Failure> {
         self.end(end);
         let (display, projector, recorder) = self.session.all();

@@ -1,5 +1,5 @@
-//! What several fingers share: a skin of which each reads its own modules, the buses with their boards, and the scene's
-//! faults of both.
+//! Hardware that several fingers share: a skin of which each reads its own modules, the buses with their boards, and the
+//! scene's faults of both.
 
 use std::cell::RefCell;
 
@@ -38,7 +38,7 @@ pub(super) struct Shared<'a> {
     /// When the skin is read next, at times that no finger sets: each then finds what it would find alone. Onsets between two
     /// of these times, of the second finger on a board, go by readings of the earlier one.
     pub(super) due: Instant,
-    /// Where every finger is, and what its modules have sent.
+    /// Place of every finger, and the scans of its modules that wait for it.
     pads: Vec<(Place, Vec<Held>)>,
 }
 
@@ -106,7 +106,7 @@ impl<'a> Shared<'a> {
         self.fail(end, true);
     }
 
-    /// What the fingers have in common once the run is over.
+    /// Events, faults and frames that fingers have in common once the run is over.
     pub(super) fn common(&mut self) -> Common {
         Common {
             events: std::mem::take(&mut self.events),
