@@ -46,7 +46,7 @@ pub trait Say: Serialize {
     /// For people; nothing where it does not matter to them.
     ///
     /// # Errors
-    /// What the stream says.
+    /// Errors of the stream.
     fn words(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 

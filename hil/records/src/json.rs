@@ -12,7 +12,7 @@ const DIGITS: usize = 12;
 /// Writes a value on one line.
 ///
 /// # Errors
-/// What the stream says.
+/// Errors of the stream.
 pub fn write_json(value: &(impl Serialize + ?Sized), out: impl Write) -> io::Result<()> {
     let mut serializer = Serializer::with_formatter(out, Rounded(CompactFormatter));
     Ok(value.serialize(&mut serializer)?)
@@ -21,7 +21,7 @@ pub fn write_json(value: &(impl Serialize + ?Sized), out: impl Write) -> io::Res
 /// Writes a value with a line for each of its parts.
 ///
 /// # Errors
-/// What the stream says.
+/// Errors of the stream.
 pub fn write_json_lines(value: &(impl Serialize + ?Sized), out: impl Write) -> io::Result<()> {
     let mut serializer = Serializer::with_formatter(out, Rounded(PrettyFormatter::new()));
     Ok(value.serialize(&mut serializer)?)

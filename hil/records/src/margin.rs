@@ -165,7 +165,7 @@ impl Margin {
         used_words(self.used_milli_percent())
     }
 
-    /// Whether it is a temperature that the model does not know.
+    /// Tells whether the worst value is a temperature beyond the model.
     pub fn is_beyond(&self) -> bool {
         self.of.unit() == "C" && model::known(self.worst(), model::TISSUE_C).is_none()
     }

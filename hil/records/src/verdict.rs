@@ -151,7 +151,7 @@ impl Conclusion {
     /// The verdict with its reason, then the other reasons, a line each.
     ///
     /// # Errors
-    /// What the stream says.
+    /// Errors of the stream.
     pub fn write(&self, out: &mut dyn Write, colored: bool) -> io::Result<()> {
         let word = self.verdict.word();
         let line = self.line();
@@ -166,7 +166,7 @@ impl Conclusion {
     /// The other reasons, then the verdict with its own: what stays in view on a terminal of so many columns.
     ///
     /// # Errors
-    /// What the stream says.
+    /// Errors of the stream.
     pub fn write_last(&self, out: &mut dyn Write, columns: usize, colored: bool) -> io::Result<()> {
         for why in self.why.iter().skip(1) {
             writeln!(out, "{}", wrapped(&format!("  also: {why}"), columns))?;

@@ -11,7 +11,7 @@ impl Summary {
     /// verdict. Reasons beside the verdict's own have lines of their own. A terminal gets colours.
     ///
     /// # Errors
-    /// What the stream says.
+    /// Errors of the stream.
     pub fn write(
         &self,
         out: &mut dyn Write,

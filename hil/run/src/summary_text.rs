@@ -154,7 +154,7 @@ impl Summary {
     /// Every figure for a person: some dozen lines, without the verdict.
     ///
     /// # Errors
-    /// What the stream says.
+    /// Errors of the stream.
     pub fn write_long(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,

@@ -13,7 +13,7 @@ use palpate_run::effort::FrameKind;
 /// The plan: one line a stage.
 ///
 /// # Errors
-/// What the stream says.
+/// Errors of the stream.
 pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
     let scene = &setup.scene.value;
     writeln!(out, "plan")?;
@@ -227,7 +227,7 @@ fn contacts(setup: &Setup) -> String {
 /// What was done and left out.
 ///
 /// # Errors
-/// What the stream says.
+/// Errors of the stream.
 pub fn done(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     let effort = &outcome.effort;
     let work = &effort.compression;

@@ -86,7 +86,7 @@ pub(super) fn counts(trials: &[&Trial]) -> String {
 /// Prints the trials as one object.
 ///
 /// # Errors
-/// As [`print_json`].
+/// The errors of [`print_json`].
 pub(super) fn json(
     verdict: Verdict,
     source: &str,

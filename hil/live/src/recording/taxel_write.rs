@@ -9,7 +9,7 @@ use palpate_files::{Columns, JOINT, Joint};
 /// Writes a table with its times, and the angles of joints at them.
 ///
 /// # Errors
-/// What the stream says.
+/// Errors of the stream.
 pub fn write_taxel_csv(
     table: &TaxelTable,
     columns: &Columns,

@@ -16,7 +16,7 @@ struct Tile {
     name: &'static str,
     value: String,
     more: String,
-    /// Whether it is one to look at.
+    /// Marks a figure to look at.
     warns: bool,
 }
 
