@@ -91,6 +91,20 @@ short.run.kill("SIGINT");
 assert.equal(await short.ended, 0);
 console.log("live: stays ok");
 
+// Wire and skin of a stuck amplifier leave the model: no panel gives a number beyond it, and its chart says where it ends.
+const burns = await serve("0", "stuck-amplifier"), burnt = await open(burns.base, { width: 390, height: 844, scheme: "dark" });
+await burnt.page.waitForFunction(() => palpate.over, null, { timeout: 60000 });
+assert.match(await burnt.page.textContent("#hottest"), /hottest skin over 100 \u00b0C of 43; dose \u03a9 > 1e6, CEM43 > 1e6 min/);
+assert.match(await burnt.page.textContent("#warm-high"), /not drawn over 100 \u00b0C, where the model ends/);
+const told = await burnt.page.evaluate(() => document.body.innerText.match(/\d+(\.\d+)?(?= \u00b0C)/g).map(Number));
+assert(Math.max(...told) <= 400, `a page tells ${Math.max(...told)} \u00b0C`);
+assert(await burnt.page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "wider than the screen");
+if (pictures) await burnt.page.screenshot({ path: join(pictures, "live-burnt-390.png"), fullPage: true });
+await burnt.close();
+burns.run.kill("SIGINT");
+await burns.ended;
+console.log("live: ends of the model ok");
+
 // With --loop another run follows in the same page.
 const loop = await serve("0", "idle", "--set", "length_s=1.5", "--loop"), watching = await open(loop.base);
 const first = await watching.page.evaluate(() => palpate.run);

@@ -11,6 +11,9 @@ const LATE_US = 1e6;
 const db = value => `${number(value, 1)} dB`;
 const set = (id, text) => { const element = by(id); if (element.textContent !== text) element.textContent = text; };
 
+// Beyond a million a dose says nothing more, as in the summary.
+const dose = (value, text) => (value > 1e6 ? "> 1e6" : text);
+
 export class Panels {
   open(head) {
     this.head = head;
@@ -58,7 +61,7 @@ export class Panels {
 
   numbers(picture) {
     for (const [key, share] of picture.used) this.limit(key, share);
-    const most = [400, 100]; // where the model of wire and skin ends
+    const most = this.head.model_c;
     [...by("wires").rows].forEach((row, i) => picture.warm[i].forEach((celsius, n) => {
       const text = `${n ? "skin" : "wire"} ${celsius > most[n] ? `over ${most[n]} \u00b0C` : Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;
       if (row.cells[n + 1].textContent !== text) row.cells[n + 1].textContent = text;
@@ -66,7 +69,7 @@ export class Panels {
     if (!picture.used.length && by("used-pulse")) by("used").replaceChildren(make("li", { className: "none", textContent: "not recorded" }));
     const [peak, , omega, cem43] = picture.hottest ?? [], { limits_c } = this.head;
     if (!picture.hottest) set("hottest", this.recorded() ?? (picture.warm.some(w => Number.isFinite(w[1])) ? "as recorded at each stimulus" : "nothing measures temperatures on this bench"));
-    else set("hottest", `hottest skin ${peak <= most[1] ? number(peak, 1) : `over ${most[1]}`} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${omega.toExponential(1)}, CEM43 ${number(cem43, 2)} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
+    else set("hottest", `hottest skin ${peak <= most[1] ? number(peak, 1) : `over ${most[1]}`} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${dose(omega, omega.toExponential(1))}, CEM43 ${dose(cem43, number(cem43, 2))} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
     const places = picture.contacts.map(c => `(${number(c.at_mm[0], 1)}, ${number(c.at_mm[1], 1)}) mm, ${number(c.counts, 0)} counts, level ${c.level}`);
     set("contacts", places.length ? `${places.length === 1 ? "contact" : `${places.length} contacts`} at ${places.join("; ")}` : "no contact");
   }
@@ -74,8 +77,9 @@ export class Panels {
   // What a recording says of its run so far.
   recorded() {
     if (!this.sofar) return undefined;
-    const { stimuli, limited, hottest_c } = this.sofar, { limits_c } = this.head;
-    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${number(hottest_c, 1)} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
+    const { stimuli, limited, hottest_c } = this.sofar, { limits_c, model_c: [, most] } = this.head;
+    const hottest = hottest_c > most ? `over ${most}` : number(hottest_c, 1);
+    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${hottest} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
     return `${skin}${stimuli} ${stimuli === 1 ? "stimulus" : "stimuli"} so far, ${limited} limited by the guard`;
   }
 

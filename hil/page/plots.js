@@ -98,9 +98,12 @@ export class Plots {
     const drawn = [Math.floor(picture.now_us / WARM_EVERY_US), size(this.warm), unit, colors.bad, this.holes.length, this.warmed.length].join();
     if (this.drawn === drawn) return;
     this.drawn = drawn;
-    const [context, width, height] = fit(this.warm), hottest = Math.max(HIGH, ...this.warmed.map(w => Math.max(...w[1]))), high = hottest > HIGH ? Math.ceil(hottest / 5) * 5 : HIGH;
+    const [context, width, height] = fit(this.warm), [, most] = this.head.model_c;
+    // Beyond the model a temperature is no number, so its line ends there.
+    const within = c => c <= most, beyond = this.warmed.some(w => w[1].some(c => c > most));
+    const hottest = Math.max(HIGH, ...this.warmed.flatMap(w => w[1].filter(within))), high = hottest > HIGH ? Math.ceil(hottest / 5) * 5 : HIGH;
     const x = at => width * (1 - (picture.now_us - at) / WARM_US), y = celsius => height * (high - celsius) / (high - LOW);
-    [this.high.textContent, this.low.textContent] = [`${high} \u00b0C`, `${LOW} \u00b0C`];
+    [this.high.textContent, this.low.textContent] = [`${high} \u00b0C${beyond ? `; not drawn over ${most} \u00b0C, where the model ends` : ""}`, `${LOW} \u00b0C`];
     context.strokeStyle = colors.bad;
     context.lineWidth = 1.5 * unit;
     context.setLineDash([7, 5]);
@@ -113,7 +116,7 @@ export class Plots {
       context.beginPath();
       let down = false;
       for (const [at, celsius] of this.warmed) {
-        const known = Number.isFinite(celsius[wire]);
+        const known = within(celsius[wire]);
         if (known) (down ? context.lineTo(x(at), y(celsius[wire])) : context.moveTo(x(at), y(celsius[wire])));
         down = known;
       }

@@ -6,6 +6,7 @@ use palpate_core::render::Style;
 use palpate_core::skin::Module;
 use palpate_core::units::Point;
 use palpate_files::Setup;
+use palpate_records::model;
 use palpate_records::trace::Header;
 
 use super::{Head, LimitsC, ModuleHead};
@@ -92,6 +93,7 @@ impl Head {
                 peak: celsius(limits.skin_peak_mc),
                 deep: celsius(limits.skin_deep_mc),
             },
+            model_c: [model::WIRE_C, model::TISSUE_C],
         }
     }
 }

@@ -163,6 +163,8 @@ pub struct Head {
     /// The widest pulse that the guard passes, of 4096.
     pub widest_ticks: u16,
     pub limits_c: LimitsC,
+    /// The hottest wire and the hottest skin that the model knows, degrees C.
+    pub model_c: [f64; 2],
 }
 
 /// A module that is shown.
