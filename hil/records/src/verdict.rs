@@ -148,19 +148,21 @@ impl Conclusion {
         }
     }
 
-    /// The verdict with its reason, then the other reasons, a line each.
+    /// The verdict with its reason, then the other reasons, each in lines of at most [`COLUMNS`].
     ///
     /// # Errors
     /// Errors of the stream.
     pub fn write(&self, out: &mut dyn Write, colored: bool) -> io::Result<()> {
         let word = self.verdict.word();
-        let line = self.line();
-        let rest = line.strip_prefix(word).unwrap_or_default();
+        let text = wrapped(&self.line(), COLUMNS);
+        let rest = text.strip_prefix(word).unwrap_or_default();
         writeln!(out, "{}{rest}", self.verdict.paint(word, colored))?;
-        let others = self.why.iter().skip(1);
-        others
-            .into_iter()
-            .try_for_each(|why| writeln!(out, "  also: {why}"))
+        self.write_others(out, COLUMNS)
+    }
+
+    fn write_others(&self, out: &mut dyn Write, columns: usize) -> io::Result<()> {
+        let mut others = self.why.iter().skip(1);
+        others.try_for_each(|why| writeln!(out, "{}", wrapped(&format!("  also: {why}"), columns)))
     }
 
     /// The other reasons, then the verdict with its own: what stays in view on a terminal of so many columns.
@@ -168,9 +170,7 @@ impl Conclusion {
     /// # Errors
     /// Errors of the stream.
     pub fn write_last(&self, out: &mut dyn Write, columns: usize, colored: bool) -> io::Result<()> {
-        for why in self.why.iter().skip(1) {
-            writeln!(out, "{}", wrapped(&format!("  also: {why}"), columns))?;
-        }
+        self.write_others(out, columns)?;
         let word = self.verdict.word();
         let text = wrapped(&self.line(), columns);
         let rest = text.strip_prefix(word).unwrap_or_default();

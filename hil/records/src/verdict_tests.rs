@@ -64,16 +64,24 @@ fn a_verdict_names_the_worst_of_the_limits_that_were_passed() {
 fn a_terminal_sees_colour_and_a_pipe_does_not() {
     let mut conclusion = Conclusion::default();
     conclusion.add(Verdict::Stopped, "SIGINT");
-    conclusion.add(Verdict::Ok, "no stimulus");
+    let wide =
+        "no stimulus, since nothing touched the skin and nothing was wanted for all of the run";
+    conclusion.add(Verdict::Ok, wide);
     let text = |colored| {
         let mut out = Vec::new();
         conclusion.write(&mut out, colored).unwrap();
         String::from_utf8(out).unwrap()
     };
-    assert_eq!(text(false), "STOPPED: SIGINT\n  also: no stimulus\n");
+    assert_eq!(
+        text(false),
+        "STOPPED: SIGINT\n  also: no stimulus, since nothing touched the skin and nothing was wanted for\n    all of the run\n"
+    );
     assert_eq!(
         text(true),
-        "\x1b[1m\x1b[33mSTOPPED\x1b[0m: SIGINT\n  also: no stimulus\n"
+        format!(
+            "\x1b[1m\x1b[33mSTOPPED\x1b[0m{}",
+            text(false).trim_start_matches("STOPPED")
+        )
     );
     assert_eq!(
         serde_json::to_string(&Verdict::LimitExceeded).unwrap(),

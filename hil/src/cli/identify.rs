@@ -29,7 +29,7 @@ pub struct IdentifyArgs {
         short = 'b',
         long,
         value_name = "NAME|FILE",
-        default_value = "emulated"
+        default_value = palpate_files::DEFAULT_BENCH
     )]
     pub bench: String,
     /// A value in place of the bench's (`wire.kind=loose`, `mount.sag_um=75`). Repeatable.

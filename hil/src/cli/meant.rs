@@ -104,6 +104,13 @@ fn another_command(
         let owner = owner.get_name();
         return Err(Some(format!("`hil {owner} {word}` is a command")));
     }
+    // `hil unlatch` is an option of `hil off`, and is not `hil emulate` misspelt.
+    let has = |c: &&Command| c.get_arguments().any(|a| a.get_long() == Some(word));
+    let mut with: Vec<&Command> = all.get_subcommands().filter(has).collect();
+    if let (Some(owner), true) = (with.pop(), with.is_empty()) {
+        let owner = owner.get_name();
+        return Err(Some(format!("`hil {owner} --{word}` is an option")));
+    }
     let names = at.get_subcommands().filter(|c| !c.is_hide_set());
     let near = nearest(word, names.map(Command::get_name));
     near.map(str::to_owned).ok_or(None)

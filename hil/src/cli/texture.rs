@@ -163,7 +163,7 @@ pub struct PanelArgs {
         short = 'b',
         long,
         value_name = "NAME|FILE",
-        default_value = "emulated"
+        default_value = palpate_files::DEFAULT_BENCH
     )]
     pub bench: String,
     /// Whose fingers feel the display, built in or a file.

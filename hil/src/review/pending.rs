@@ -8,8 +8,10 @@ use palpate_files::{entries, headed, read_text};
 use palpate_live::output::write_file;
 use palpate_run::Failure;
 
+use crate::trial::GOLDENS;
+
 /// Where goldens lie, from the root of a project.
-const FOLDERS: [&str; 2] = ["fixtures/goldens", "goldens"];
+const FOLDERS: [&str; 2] = ["fixtures/goldens", GOLDENS];
 /// What insta appends to the name of a snapshot that waits.
 const WAITS: &str = ".snap.new";
 
@@ -32,7 +34,7 @@ pub struct Pending {
 /// Where there is none.
 pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
     if let Some(named) = named {
-        let inside = named.join("goldens");
+        let inside = named.join(GOLDENS);
         if inside.is_dir() {
             return Ok(inside);
         }

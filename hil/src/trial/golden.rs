@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use palpate_files::{entries, headed, read_text};
+use palpate_files::{DEFAULT_BENCH, entries, headed, read_text};
 use palpate_records::diff::{Tolerance, compare};
 use palpate_records::story::Story;
 use palpate_records::trace::Trace;
@@ -15,6 +15,8 @@ use palpate_live::output::{make_folder, write_file};
 
 /// Largest golden, bytes: hundreds of times what one has.
 pub(super) const LARGEST: u64 = 32 << 20;
+/// Name of a folder of goldens.
+pub const FOLDER: &str = "goldens";
 /// Differences told of one golden.
 const TOLD: usize = 3;
 
@@ -54,9 +56,9 @@ impl Goldens {
         let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
         let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
         Self {
-            folder: scene.with_file_name("goldens"),
+            folder: scene.with_file_name(FOLDER),
             stem: match bench {
-                "emulated" => stem.into_owned(),
+                DEFAULT_BENCH => stem.into_owned(),
                 other => format!("{stem}@{}", other.chars().map(plain).collect::<String>()),
             },
         }

@@ -22,7 +22,7 @@ use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::{Failure, Input, Keep, Outcome, stopped_by};
 
 pub use capability::lacks;
-pub use golden::{Goldens, Held};
+pub use golden::{FOLDER as GOLDENS, Goldens, Held};
 use health::{after_emulated, after_real};
 pub use junit::junit;
 pub use measure::{Bound, Measure, expects_anything, measures};

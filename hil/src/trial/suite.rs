@@ -8,12 +8,12 @@ use palpate_files::{
 };
 use palpate_run::Failure;
 
+use super::GOLDENS;
+
 /// Folders of build systems, which hold no scenes but may hold many files.
 const SKIPPED: [&str; 2] = ["target", "node_modules"];
 /// How deep folders are searched.
 const DEPTH: usize = 8;
-/// Name of a folder of goldens.
-const GOLDENS: &str = "goldens";
 /// What a folder's own quarantine is called.
 const QUARANTINE: &str = "quarantine.toml";
 

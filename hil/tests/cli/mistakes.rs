@@ -5,7 +5,7 @@ use super::*;
 /// A line as it is typed behind `hil`, and parts of the answer.
 type Mistake = (&'static str, &'static [&'static str]);
 
-const COMMANDS: [Mistake; 10] = [
+const COMMANDS: [Mistake; 11] = [
     ("rnu", &["a similar subcommand exists: 'run'"]),
     ("help rnu", &["a similar subcommand exists: 'run'"]),
     (
@@ -14,6 +14,7 @@ const COMMANDS: [Mistake; 10] = [
     ),
     ("mine.toml", &["a scene is run by `hil run mine.toml`"]),
     ("simulate wearer", &["`hil study simulate` is a command"]),
+    ("unlatch", &["`hil off --unlatch` is an option"]),
     ("--json", &["`hil run --json`"]),
     ("list scene", &["'scenes'"]),
     ("completions bsh", &["'bash'"]),

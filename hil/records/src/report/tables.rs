@@ -276,6 +276,17 @@ pub(super) fn meter(used: Option<i64>) -> String {
     format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{words}")
 }
 
+/// A name in which no line ends between a number and its unit.
+fn whole_units(name: &str) -> String {
+    let mut before = ' ';
+    let joined = name.chars().map(|c| {
+        let parts = c == ' ' && before.is_ascii_digit();
+        before = c;
+        if parts { '\u{a0}' } else { c }
+    });
+    joined.collect()
+}
+
 /// Totals, then the margins.
 pub(super) fn ledger(page: &mut String, trace: &Trace) {
     let columns = [
@@ -293,7 +304,7 @@ pub(super) fn ledger(page: &mut String, trace: &Trace) {
             unit => unit,
         };
         let limit = f.limit.map_or_else(String::new, |_| f.text(f.limit));
-        let cells = vec![f.name.clone(), short(f), unit.to_owned(), limit, used];
+        let cells = vec![whole_units(&f.name), short(f), unit.to_owned(), limit, used];
         (f.over, cells)
     };
     let spent = table(&columns, figures(trace).iter().map(row));
