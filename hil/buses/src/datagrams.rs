@@ -1,25 +1,25 @@
-//! Datagrams over UDP, neither of whose calls waits: a driver unit's end and a host's.
+//! Datagrams over UDP for a driver unit and its host. Neither receiving nor sending waits.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::time::Duration;
 
-/// Where a unit listens where an address names no port.
+/// Port of a unit where an address names none.
 pub const PORT: u16 = 4817;
 
 /// The address that a user named: `HOST`, `HOST:PORT`, `[IPV6]:PORT`.
 ///
 /// # Errors
-/// What was expected.
+/// Words of the expected address.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     address_or(text, PORT)
 }
 
-/// The same with the port that stands for none.
+/// The address that a user named, with `port` where they named none.
 ///
 /// # Errors
-/// What was expected.
+/// Words of the expected address.
 pub fn address_or(text: &str, port: u16) -> Result<SocketAddr, String> {
     let expected = |why: &str| {
         format!(
@@ -44,25 +44,25 @@ pub fn address_or(text: &str, port: u16) -> Result<SocketAddr, String> {
     found.next().ok_or_else(|| expected(": no such host"))
 }
 
-/// A socket.
+/// A UDP socket.
 #[derive(Debug)]
 pub struct Datagrams(UdpSocket);
 
 impl Datagrams {
-    /// The end that others find at this address; port 0 takes a free one.
+    /// Opens the end that others find at this address; port 0 takes a free one.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the system.
     pub fn listen(at: SocketAddr) -> io::Result<Self> {
         let socket = UdpSocket::bind(at)?;
         socket.set_nonblocking(true)?;
         Ok(Self(socket))
     }
 
-    /// An end that speaks to this address first.
+    /// Opens an end that speaks to this address first.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the system.
     pub fn towards(to: SocketAddr) -> io::Result<Self> {
         let any = match (to.is_ipv4(), to.ip().is_loopback()) {
             (true, true) => Ipv4Addr::LOCALHOST.into(),
@@ -73,17 +73,17 @@ impl Datagrams {
         Self::listen((any, 0).into())
     }
 
-    /// Where it is found.
+    /// Local address of the socket.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn here(&self) -> io::Result<SocketAddr> {
         self.0.local_addr()
     }
 
-    /// The oldest datagram that waits, cut at the end of `buffer`, and who sent it.
+    /// The oldest datagram that waits, cut at the end of `buffer`, and its sender.
     pub fn receive(&self, buffer: &mut [u8]) -> Option<(usize, SocketAddr)> {
-        // A network that is down says so here: no datagram then, as with one that loses all.
+        // A network that is down is an error here: no datagram then, as with one that loses all.
         self.0.recv_from(buffer).ok()
     }
 
@@ -99,11 +99,12 @@ impl AsFd for Datagrams {
     }
 }
 
-/// Whether the computer at this address says that nothing listens there: what silence is for.
+/// Tells whether the computer at this address answers that nothing listens there. A silent one gives `false` after
+/// `patience`.
 pub fn is_closed(to: SocketAddr, datagram: &[u8], patience: Duration) -> bool {
     let refused = || -> io::Result<()> {
         let there = Datagrams::towards(to)?;
-        // Only a connected socket is told.
+        // Only a connected socket gets the refusal.
         there.0.set_nonblocking(false)?;
         there.0.set_read_timeout(Some(patience))?;
         there.0.connect(to)?;

@@ -1,9 +1,9 @@
-//! A place to leave something for a thread.
+//! A value that threads leave for each other.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
-/// What is left there. It is whole whatever happened to a thread that held it.
+/// A value that threads leave for each other. It is whole even where a thread panicked with its lock.
 #[derive(Debug, Default)]
 pub(crate) struct Desk<T> {
     left: Mutex<T>,
@@ -11,7 +11,7 @@ pub(crate) struct Desk<T> {
 }
 
 impl<T> Desk<T> {
-    /// With this on it.
+    /// A desk with this value.
     pub(crate) const fn new(left: T) -> Self {
         Self {
             left: Mutex::new(left),
@@ -19,18 +19,18 @@ impl<T> Desk<T> {
         }
     }
 
-    /// What lies there.
+    /// Locks the value.
     pub(crate) fn left(&self) -> MutexGuard<'_, T> {
         self.left.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Leaves something.
+    /// Changes the value, and wakes the threads that wait.
     pub(crate) fn leave(&self, leave: impl FnOnce(&mut T)) {
         leave(&mut self.left());
         self.changed.notify_all();
     }
 
-    /// The same without a wait, where another thread is at the desk.
+    /// Changes the value, unless another thread has the lock; never waits.
     pub(crate) fn try_leave(&self, leave: impl FnOnce(&mut T)) {
         let mut left = match self.left.try_lock() {
             Ok(left) => left,
@@ -42,13 +42,13 @@ impl<T> Desk<T> {
         self.changed.notify_all();
     }
 
-    /// Waits while this is so.
+    /// Waits while `is_so` holds of the value.
     pub(crate) fn wait(&self, is_so: impl Fn(&mut T) -> bool) -> MutexGuard<'_, T> {
         let waited = self.changed.wait_while(self.left(), is_so);
         waited.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The same, no longer than `patience`.
+    /// Waits while `is_so` holds of the value, no longer than `patience`.
     pub(crate) fn wait_for(
         &self,
         patience: Duration,

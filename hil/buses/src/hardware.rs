@@ -1,4 +1,4 @@
-//! What a lock and a stop are of: the hardware itself, whatever names it goes by.
+//! Identity of hardware for locks and stops: the hardware itself, whatever names it goes by.
 //!
 //! An adapter is the device that sysfs has behind its node. A link to the node is the same adapter, and so is the number
 //! that it gets when it is plugged in again. A driver unit is the key that is shared with it, at any address.
@@ -15,21 +15,21 @@ use sha2::{Digest, Sha256};
 /// One adapter or driver unit.
 #[derive(Clone, Debug)]
 pub struct Hardware {
-    /// As its user named it.
+    /// Name that its user gave.
     shown: String,
-    /// What it is by its own account.
+    /// Name that the hardware has by itself.
     place: String,
     /// The name of its files, without an ending.
     file: String,
 }
 
-/// Why it is not known which hardware an adapter is.
+/// Error for an adapter whose hardware is unknown.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {error}; locks and stops are of the device that /sys has behind it")]
 pub struct UnknownHardware {
     /// The device node.
     pub path: String,
-    /// What the system said.
+    /// Error of the system.
     pub error: io::Error,
 }
 
@@ -63,12 +63,12 @@ impl Hardware {
         }
     }
 
-    /// Whether both are the same, whatever their names.
+    /// Tells whether both are the same hardware, whatever their names.
     pub fn is(&self, other: &Self) -> bool {
         self.file == other.file
     }
 
-    /// What it is by its own account: alike under all of its names.
+    /// Name that the hardware has by itself: the same under all of its users' names.
     pub(crate) fn place(&self) -> &str {
         &self.place
     }
@@ -79,7 +79,7 @@ impl Hardware {
     }
 }
 
-/// As its user named it.
+/// Writes the name that its user gave.
 impl fmt::Display for Hardware {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(&self.shown)
@@ -121,7 +121,7 @@ fn lasting(device: &Path) -> io::Result<String> {
     Ok(lasting.display().to_string())
 }
 
-/// The number that the kernel has counted, and what stands before it: of an adapter, a USB bus, a HID device.
+/// Number that the kernel has counted, and the text before it: of an adapter, a USB bus, a HID device.
 fn counted(name: &str) -> Option<(&str, u64)> {
     let split = |length: usize, radix: u32| {
         let number = u64::from_str_radix(name.get(length..)?, radix).ok()?;
@@ -137,7 +137,7 @@ fn counted(name: &str) -> Option<(&str, u64)> {
     }
 }
 
-/// How many of this kind below a folder were counted before this one.
+/// Number of devices of this kind below a folder that were counted before this one.
 fn earlier(folder: &Path, kind: &str, number: u64) -> io::Result<usize> {
     let mut count = 0;
     for entry in fs::read_dir(folder)? {

@@ -1,4 +1,4 @@
-//! Buses that the operating system gives: the ones a bench has, and the ones served to other programs.
+//! Buses that the operating system gives: those of a bench, and those served to other programs.
 
 pub mod can;
 pub mod datagrams;

@@ -1,11 +1,11 @@
 //! One program a bus: an advisory lock on a file beside the system's other locks, which ends with its holder.
 //!
-//! Not on the device node: the kernel keeps an adapter that was unplugged for as long as anybody has its node
-//! open, and a lock is held for a whole run.
+//! The lock is not on the device node: the kernel keeps an adapter that was unplugged for as long as anybody has its
+//! node open, and a lock is held for a whole run.
 //!
 //! The file is also the way to its holder. Another program that wants everything off writes a word into it, and the
-//! guardian that holds it looks there. So it is found whatever its program is called and whichever processes can be seen.
-//! Nothing takes the file away: whoever opens it finds the file that others have locked.
+//! guardian that holds it looks there. So it is found whatever its program is called and whichever processes can be
+//! seen. Nothing takes the file away: everybody who opens it finds the file that others have locked.
 
 use std::fs::{self, File};
 use std::io;
@@ -20,9 +20,9 @@ use crate::shared_file::{open, open_or_create, refuse_newer};
 
 /// The version of a lock's file that this code writes.
 const VERSION: u32 = 1;
-/// What its first line says it is.
+/// Kind of file, at the beginning of a lock file's first line.
 const KIND: &str = "palpate-lock";
-/// Longer than any first line.
+/// Bytes that no first line exceeds.
 const FIRST: usize = 64;
 /// The bit of a folder's mode by which everybody may write there.
 const OTHERS: u32 = 0o002;
@@ -32,11 +32,11 @@ const OTHERS: u32 = 0o002;
 pub struct BusLock {
     held: Flock<File>,
     hardware: Hardware,
-    /// Bytes of the file while nothing is asked.
+    /// Bytes of the file while nobody asks for everything off.
     length: u64,
 }
 
-/// Why there is none.
+/// Errors of a lock that is not to be had.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
     /// Another program has it: its process number, where the system tells.
@@ -44,7 +44,7 @@ pub enum LockError {
     Held {
         /// The hardware, as its user named it.
         path: String,
-        /// The holder.
+        /// Process number of the holder, where the system tells it.
         pid: Option<u32>,
     },
     /// The lock's file cannot be used.
@@ -52,13 +52,13 @@ pub enum LockError {
     Open {
         /// The file.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
 }
 
 impl LockError {
-    /// Who holds the lock, in words.
+    /// Words for the process that holds the lock.
     pub fn holder(&self) -> String {
         match self {
             Self::Held { pid, .. } => who(*pid),
@@ -75,17 +75,17 @@ fn who(pid: Option<u32>) -> String {
     format!("process {pid} ({})", name.trim())
 }
 
-/// The file that stands for hardware.
+/// File of the lock of hardware.
 fn file_of(folder: &Path, hardware: &Hardware) -> PathBuf {
     folder.join(format!("palpate-{}.lock", hardware.file()))
 }
 
-/// What the file holds while nothing is asked.
+/// Content of the file while nobody asks for everything off.
 fn content(hardware: &Hardware) -> String {
     format!("{KIND} {VERSION}\n{}\n", hardware.place())
 }
 
-/// Refuses a file that a newer version has left: what else it holds by is not known here.
+/// Refuses a file that a newer version has left: its further locks are not known here.
 fn known(file: &File) -> io::Result<()> {
     let mut first = [0; FIRST];
     let length = file.read_at(&mut first, 0)?;
@@ -97,7 +97,7 @@ fn folder() -> &'static Path {
     for_all(Path::new("/run/lock"))
 }
 
-/// A folder for all users: some systems let root alone write to this one.
+/// A folder for all users: some systems let root alone write to the system's.
 fn for_all(system: &Path) -> &Path {
     let is_open = |about: fs::Metadata| about.is_dir() && about.mode() & OTHERS != 0;
     match fs::metadata(system).is_ok_and(is_open) {
@@ -118,7 +118,7 @@ fn ask_off_within(folder: &Path, hardware: &Hardware) -> Result<(), LockError> {
     let lock = file_of(folder, hardware);
     let asked = open(&lock, true).and_then(|file| {
         known(&file)?;
-        // There is room for it: the file has its block.
+        // There is room for the word: the file has its block.
         file.write_all_at(b"off\n", content(hardware).len() as u64)
     });
     asked.map_err(|error| LockError::Open {
@@ -162,7 +162,7 @@ impl BusLock {
                     .is_ok_and(|own| (own.dev(), own.ino()) == (there.dev(), there.ino()))
             });
             if is_there {
-                // What was asked of an earlier holder is done.
+                // A wish to an earlier holder is done.
                 known(&held)
                     .and_then(|()| held.write_all_at(content.as_bytes(), 0))
                     .and_then(|()| held.set_len(length))
@@ -176,12 +176,12 @@ impl BusLock {
         }
     }
 
-    /// What is locked.
+    /// Hardware that is locked.
     pub const fn hardware(&self) -> &Hardware {
         &self.hardware
     }
 
-    /// Whether another program has asked for everything off since the lock was taken.
+    /// Tells whether another program has asked for everything off since the lock was taken.
     pub fn is_asked_off(&self) -> bool {
         self.held
             .metadata()

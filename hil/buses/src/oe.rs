@@ -1,7 +1,7 @@
 //! The OE line of the PWM chips, on a GPIO line: high cuts every output without a word on the bus.
 //!
-//! What the line does when its holder dies is up to the GPIO controller: a pull-up on OE is the hardware
-//! that makes an undriven line cut.
+//! The state of the line after its holder's death is up to the GPIO controller: a pull-up on OE is the hardware that
+//! makes an undriven line cut.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use gpiocdev::line::Value;
 pub struct OeLine {
     chip: PathBuf,
     line: u32,
-    /// None while the GPIO chip is gone.
+    /// Request of the line; `None` while the GPIO chip is gone.
     request: Option<Request>,
 }
 
@@ -41,7 +41,7 @@ impl OeLine {
     /// Takes the line and cuts.
     ///
     /// # Errors
-    /// In words: the chip's device, the line, what the system said.
+    /// Words: the chip's device, the line, the system's error.
     pub fn cut(chip: &Path, line: u32) -> Result<Self, String> {
         Ok(Self {
             chip: chip.to_owned(),

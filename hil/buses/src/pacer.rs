@@ -1,5 +1,5 @@
-//! The clock of a real run and the pacer that holds its loop to it: absolute times, so that lateness
-//! never adds up, and a tally of how late each turn began.
+//! The clock of a real run and the pacer of its loop: absolute times, so that lateness never adds up, and a tally of
+//! the lateness of each turn.
 
 use nix::errno::Errno;
 use nix::sys::time::TimeSpec;
@@ -20,7 +20,7 @@ impl RunClock {
         }
     }
 
-    /// When it was started, CLOCK_MONOTONIC in nanoseconds: the same on all programs of a machine.
+    /// Start of the clock, CLOCK_MONOTONIC in nanoseconds: the same for all programs of a machine.
     pub const fn epoch_ns(&self) -> i64 {
         self.epoch_ns
     }
@@ -30,7 +30,7 @@ impl RunClock {
         self.instant(monotonic_ns())
     }
 
-    /// What a reading of CLOCK_MONOTONIC (ns) is on this clock; zero for one before the start.
+    /// Time of a reading of CLOCK_MONOTONIC (ns) on this clock; zero for one before the start.
     pub fn instant(&self, monotonic_ns: i64) -> Instant {
         let ns = monotonic_ns.saturating_sub(self.epoch_ns);
         Instant::from_micros(u64::try_from(ns).unwrap_or(0) / 1000)
@@ -51,15 +51,14 @@ pub(crate) fn monotonic_ns() -> i64 {
     nanoseconds(ClockId::CLOCK_MONOTONIC)
 }
 
-/// How long the machine has slept since it was started, nanoseconds: what CLOCK_BOOTTIME has counted and CLOCK_MONOTONIC has
-/// not.
+/// Time that the machine has slept since it was started, nanoseconds: CLOCK_BOOTTIME less CLOCK_MONOTONIC.
 pub fn asleep_ns() -> i64 {
-    // Monotonic first: what passes between the two readings makes no sleep of less than nothing.
+    // Monotonic first: time between the two readings makes no sleep of less than nothing.
     let monotonic = monotonic_ns();
     nanoseconds(ClockId::CLOCK_BOOTTIME).saturating_sub(monotonic)
 }
 
-/// CLOCK_REALTIME in nanoseconds since 1970: what the kernel stamps frames with.
+/// CLOCK_REALTIME in nanoseconds since 1970, the clock of the kernel's stamps.
 pub(crate) fn realtime_ns() -> i64 {
     nanoseconds(ClockId::CLOCK_REALTIME)
 }
@@ -70,9 +69,9 @@ pub(crate) fn nanoseconds(clock: ClockId) -> i64 {
     clock_gettime(clock).map_or(0, |t| t.tv_sec() * 1_000_000_000 + t.tv_nsec())
 }
 
-/// A look that comes so much later than the last one has not seen what went on between the two.
+/// Delay of a look beyond which the time since the last one counts as unseen.
 pub const UNSEEN: Duration = Duration::from_millis(100);
-/// More sleep of the machine than this is a suspend.
+/// Sleep of the machine above which it counts as a suspend.
 pub const ASLEEP: Duration = Duration::from_millis(20);
 
 /// Time in which a loop did not get to act.
@@ -87,7 +86,7 @@ pub enum Unseen {
 }
 
 impl Unseen {
-    /// How much longer it was than the clock of the run says.
+    /// Part of the time that the run's clock did not count.
     pub const fn uncounted(self) -> Duration {
         match self {
             Self::Stood(_) => Duration::ZERO,
@@ -103,12 +102,12 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// One that has not looked yet.
+    /// A watch before its first look.
     pub const fn new() -> Self {
         Self { last: None }
     }
 
-    /// A look at `now` of the run's clock, before anything else of a turn.
+    /// Looks at `now` of the run's clock, before anything else of a turn.
     pub fn look(&mut self, now: Instant) -> Option<Unseen> {
         self.look_at(now, asleep_ns())
     }
@@ -125,7 +124,7 @@ impl Watch {
     }
 }
 
-/// How late the turns of a loop began: a histogram whose bins are powers of two of a microsecond.
+/// Lateness of a loop's turns: a histogram whose bins are powers of two of a microsecond.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lateness {
     /// Turns that began less than 2^n microseconds late, and not less than half of that.
@@ -142,7 +141,7 @@ impl Lateness {
         self.worst_us = self.worst_us.max(late);
     }
 
-    /// Takes in those of another loop.
+    /// Adds the turns of another loop.
     pub fn add(&mut self, other: &Self) {
         let bins = self.bins.iter_mut().zip(other.bins);
         bins.for_each(|(own, others)| *own += others);
@@ -154,13 +153,13 @@ impl Lateness {
         self.bins.iter().sum()
     }
 
-    /// The latest turn, microseconds.
+    /// Lateness of the latest turn, microseconds.
     pub const fn worst_us(&self) -> u64 {
         self.worst_us
     }
 
-    /// At most this many microseconds late is a share (0 to 1) of the turns: the upper end of the bin
-    /// that holds it, never above the worst.
+    /// Lateness that a share (0 to 1) of the turns does not exceed, microseconds: the upper end of the bin that holds
+    /// it, never above the worst.
     pub fn quantile_us(&self, share: f64) -> u64 {
         let rank = (share * self.turns() as f64).ceil() as u64;
         let mut below = 0;
@@ -190,7 +189,7 @@ impl Pacer {
         }
     }
 
-    /// Waits until `due` and returns the time it truly is.
+    /// Waits until `due`, and returns the true time.
     pub fn wait(&mut self, due: Instant) -> Instant {
         self.clock.sleep_until(due);
         let now = self.clock.now();
@@ -209,7 +208,7 @@ impl Pacer {
         )
     }
 
-    /// How late the turns were.
+    /// Lateness of the turns so far.
     pub const fn lateness(&self) -> &Lateness {
         &self.lateness
     }

@@ -1,5 +1,5 @@
-//! The heartbeat of a loop that waits: what a slow transfer says to the guardian meanwhile. Of several loops beside
-//! each other only all together have one.
+//! The heartbeat of a loop that waits, so that the guardian knows in a slow transfer that it is alive. Of several loops
+//! only all together have one.
 
 use std::os::fd::{AsRawFd, OwnedFd};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nix::sys::socket::{MsgFlags, send};
 
-/// Which of several loops have made a turn since the last heartbeat. The next is due when all have that still go on:
-/// one that hangs holds it back. Loops are bits of a mask.
+/// Loops that have made a turn since the last heartbeat. The next is due when all have that still go on: one that hangs
+/// holds it back. Loops are bits of a mask.
 #[derive(Debug)]
 pub struct Round(Mutex<Marks>);
 
@@ -19,7 +19,7 @@ struct Marks {
 }
 
 impl Round {
-    /// Of so many loops, 32 at most, none of which has made a turn.
+    /// A round of so many loops, 32 at most, none of which has made a turn.
     pub fn new(loops: usize) -> Self {
         let going_on = (0..loops).fold(0, |all, number| all | Self::bit(number));
         Self(Mutex::new(Marks {
@@ -36,8 +36,8 @@ impl Round {
         }
     }
 
-    /// These loops have made a turn, or wait for something with a limit. Whether a heartbeat is due: then the next round
-    /// begins.
+    /// Marks loops that have made a turn, or wait for something with a limit. Returns whether a heartbeat is due: then
+    /// the next round begins.
     pub fn turned(&self, loops: u32) -> bool {
         self.marks(|marks| {
             marks.turned |= loops;
@@ -49,23 +49,23 @@ impl Round {
         })
     }
 
-    /// A loop has ended in order: no heartbeat waits for it any more.
+    /// Takes a loop out that has ended in order: no heartbeat waits for it any more.
     pub fn ended(&self, number: usize) {
         self.marks(|marks| marks.going_on &= !Self::bit(number));
     }
 
     fn marks<T>(&self, look: impl FnOnce(&mut Marks) -> T) -> T {
-        // Marks are whole whatever happened to a thread that held them.
+        // Marks are whole even where a thread panicked with the lock.
         look(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// Says that the loop is alive while it waits for something that has a limit of its own.
+/// Heartbeat of a loop while it waits for something with a limit.
 #[derive(Clone, Debug)]
 pub struct Pulse {
     link: Arc<OwnedFd>,
     beat: u8,
-    /// Where there are several loops: those that wait here count as alive, and no other.
+    /// Round and mask of the waiting loops, where there are several: only those that wait here count as alive.
     among: Option<(Arc<Round>, Arc<AtomicU32>)>,
 }
 
@@ -79,14 +79,14 @@ impl Pulse {
         }
     }
 
-    /// The same among several loops, of which the `waiting` ones wait for the same thing.
+    /// A heartbeat among several loops, of which the `waiting` ones wait for the same thing.
     #[must_use]
     pub fn among(mut self, round: Arc<Round>, waiting: Arc<AtomicU32>) -> Self {
         self.among = Some((round, waiting));
         self
     }
 
-    /// One heartbeat; of several loops only once all of them are known to be alive.
+    /// Sends one heartbeat; of several loops only once all of them are known to be alive.
     pub fn beat(&self) {
         if let Some((round, waiting)) = &self.among
             && !round.turned(waiting.load(Ordering::Relaxed))

@@ -11,7 +11,7 @@ use nix::libc;
 /// Opens a file that is there, which may be another user's, to read it and, if it `writes`, to write it.
 ///
 /// # Errors
-/// What the system says; an error for what is no ordinary file.
+/// Error of the system; an error for anything but an ordinary file.
 pub fn open(path: &Path, writes: bool) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true).write(writes);
@@ -26,7 +26,7 @@ pub fn open(path: &Path, writes: bool) -> io::Result<File> {
 /// Makes a file that was not there, for all users whatever the mask of this process.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the system.
 pub fn create(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     let file = options.read(true).write(true).create_new(true).open(path)?;
@@ -37,7 +37,7 @@ pub fn create(path: &Path) -> io::Result<File> {
 /// Opens a file to read and write it, or makes it.
 ///
 /// # Errors
-/// What the system says; an error for what is no ordinary file.
+/// Error of the system; an error for anything but an ordinary file.
 pub fn open_or_create(path: &Path) -> io::Result<File> {
     let there = || open(path, true);
     match there() {
@@ -53,7 +53,7 @@ pub fn open_or_create(path: &Path) -> io::Result<File> {
 /// Makes a folder where it is not there yet, with this mode whatever the mask of this process.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the system.
 pub fn make(folder: &Path, mode: u32) -> io::Result<()> {
     if folder.is_dir() {
         return Ok(());
@@ -62,7 +62,7 @@ pub fn make(folder: &Path, mode: u32) -> io::Result<()> {
     fs::set_permissions(folder, Permissions::from_mode(mode))
 }
 
-/// Refuses what begins with the first line of a version above `known`: `KIND VERSION`.
+/// Refuses a file that begins with the first line of a version above `known`: `KIND VERSION`.
 ///
 /// # Errors
 /// Both versions, in words.

@@ -1,5 +1,5 @@
-//! Signals that end a run in order: a first one is a wish, a second one is obeyed at once, and then the
-//! guardian does what is left to do.
+//! Signals that end a run in order: a first one is a wish, a second one is obeyed at once, and then the guardian does
+//! the rest.
 
 use std::io;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::{SigId, flag, low_level};
 
-/// How many wait for signals.
+/// Number of [`Signals`] that wait.
 static WAITING: AtomicUsize = AtomicUsize::new(0);
 
 /// The wish to end.
@@ -23,7 +23,7 @@ impl Signals {
     /// Catches SIGINT, SIGTERM and SIGHUP from now on.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the system.
     pub fn catch() -> io::Result<Self> {
         let caught = Arc::new(AtomicUsize::new(0));
         let again = Arc::new(AtomicBool::new(false));
@@ -48,13 +48,13 @@ impl Signals {
         })
     }
 
-    /// Whether signals are caught somewhere in the program: then they end what runs there, not the program.
+    /// Tells whether signals are caught somewhere in the program: then they end the work there, not the program.
     pub fn are_caught() -> bool {
         WAITING.load(Ordering::Relaxed) > 0
     }
 
-    /// A drill: with `PALPATE_DRILL` in the environment SIGUSR1 asks for a panic of the loop, so that it can be
-    /// seen what becomes of the outputs.
+    /// A drill: with `PALPATE_DRILL` in the environment SIGUSR1 asks for a panic of the loop, so that a person can see
+    /// the outputs after one.
     pub fn wants_panic(&self) -> bool {
         self.drill.load(Ordering::Relaxed)
     }
@@ -70,7 +70,7 @@ impl Signals {
     }
 }
 
-/// What is over waits for no signal; the next one is for what comes after it.
+/// Ends the wait for signals; the next one is for code that comes after it.
 impl Drop for Signals {
     fn drop(&mut self) {
         for id in self.registered.drain(..) {

@@ -1,5 +1,5 @@
-//! What a machine offers to a real bench, what it lacks, and which command gives it. Changes nothing:
-//! looks, opens and measures.
+//! Survey of a machine for a real bench: its means, its lacks, and the commands that mend them. Changes nothing: looks,
+//! opens and measures.
 
 use std::fs;
 use std::io;
@@ -18,22 +18,22 @@ use crate::i2c::{LinuxAdapter, number};
 use crate::pacer::{Pacer, RunClock};
 use crate::sys::{lock_memory_limit, set_fifo_priority};
 
-/// How long an adapter may take to read its boards.
+/// Longest time that an adapter takes to read its boards.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(1);
 
-/// One thing that was looked at.
+/// Finding on one thing of the machine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What it is about, in a word or two.
+    /// Subject of the finding, in a word or two.
     pub about: &'static str,
-    /// Whether it is as a real bench wants it.
+    /// `true` where the machine is as a real bench wants it.
     pub ok: bool,
-    /// Whether a real bench cannot do without.
+    /// `true` where a real bench cannot do without.
     #[serde(skip)]
     pub needed: bool,
-    /// What was seen.
+    /// Words of the finding.
     pub says: String,
-    /// What to type, where something is to be done.
+    /// Command that mends it, where something is to be done.
     pub remedy: Option<String>,
 }
 
@@ -261,7 +261,7 @@ fn look_at_latch(path: &Path) -> Option<Finding> {
     Some(Finding::bad("stop", says, remedy))
 }
 
-/// Where stops are kept: without it nothing is driven.
+/// Looks at the folder of stops: without it nothing is driven.
 fn look_at_stops() -> Finding {
     const ABOUT: &str = "stops";
     match stops_folder() {
@@ -300,7 +300,7 @@ fn look_at_oe(watch: Option<&Watch>) -> Finding {
     }
 }
 
-/// A tenth of a second of turns.
+/// Measures the lateness of turns for a tenth of a second.
 fn look_at_clock() -> Finding {
     let clock = RunClock::start();
     let mut pacer = Pacer::new(clock);

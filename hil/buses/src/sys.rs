@@ -27,19 +27,18 @@ fn number(fd: BorrowedFd<'_>, request: libc::Ioctl, value: libc::c_ulong) -> Res
     Errno::result(result).map(drop)
 }
 
-/// How long the adapter may take over one transfer, in units of 10 ms. Adapters may round it up, or
-/// not know it at all.
+/// Sets the adapter's limit for one transfer, in units of 10 ms. Adapters may round it up, or not know it at all.
 ///
 /// # Errors
-/// What the device says.
+/// Error of the device.
 pub fn set_i2c_timeout(fd: BorrowedFd<'_>, units_10ms: u32) -> Result<(), Errno> {
     number(fd, I2C_TIMEOUT, units_10ms.into())
 }
 
-/// How often the adapter tries by itself: it cannot know which writes may be repeated.
+/// Sets the number of the adapter's own tries: it cannot know which writes may be repeated.
 ///
 /// # Errors
-/// What the device says.
+/// Error of the device.
 pub fn set_i2c_retries(fd: BorrowedFd<'_>, retries: u32) -> Result<(), Errno> {
     number(fd, I2C_RETRIES, retries.into())
 }
@@ -47,15 +46,15 @@ pub fn set_i2c_retries(fd: BorrowedFd<'_>, retries: u32) -> Result<(), Errno> {
 /// Claims an address as `i2c-dev` does: `EBUSY` while a kernel driver holds it.
 ///
 /// # Errors
-/// What the device says.
+/// Error of the device.
 pub fn claim_address(fd: BorrowedFd<'_>, address: u8) -> Result<(), Errno> {
     number(fd, I2C_SLAVE, address.into())
 }
 
-/// What the adapter can do: bits `I2C_FUNC_*` of `linux/i2c.h`.
+/// Functions of the adapter: bits `I2C_FUNC_*` of `linux/i2c.h`.
 ///
 /// # Errors
-/// What the device says; `ENOTTY` for a node that is no I2C adapter.
+/// Error of the device; `ENOTTY` for a node that is no I2C adapter.
 #[allow(unsafe_code)]
 pub fn i2c_functions(fd: BorrowedFd<'_>) -> Result<libc::c_ulong, Errno> {
     let mut functions: libc::c_ulong = 0;
@@ -73,7 +72,7 @@ pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
     // SAFETY: integers, for which zero is a value. musl's structure has more of them than glibc's.
     let mut parameters: libc::sched_param = unsafe { std::mem::zeroed() };
     parameters.sched_priority = priority.into();
-    // Not `sched_setscheduler`: in musl that one only says ENOSYS.
+    // Not `sched_setscheduler`: in musl that one always fails with ENOSYS.
     // SAFETY: the calling thread is there; the structure is read during the call only.
     let result = unsafe {
         libc::pthread_setschedparam(
@@ -104,16 +103,16 @@ pub fn fifo_priority() -> Option<u8> {
         .filter(|_| is_known)
 }
 
-/// No core dump of this program: while one is written the program counts as alive, its sockets stay open,
-/// and a caller that waits for its end waits.
+/// Forbids core dumps of this program: while one is written the program counts as alive, its sockets stay open, and a
+/// caller that waits for its end waits.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the system.
 pub fn forbid_core_dumps() -> Result<(), Errno> {
     prctl::set_dumpable(false)
 }
 
-/// How much memory may be locked, bytes; `None` for all of it.
+/// Bytes of memory that may be locked; `None` for all of it.
 pub fn lock_memory_limit() -> Option<u64> {
     let (soft, _) = getrlimit(Resource::RLIMIT_MEMLOCK).ok()?;
     (soft != RLIM_INFINITY && !nix::unistd::geteuid().is_root()).then_some(soft)
@@ -127,12 +126,12 @@ pub fn lock_memory() -> Result<(), Errno> {
     mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
 }
 
-/// No memory that is never paged out any more: what is mapped from now on is not refused for its sake.
+/// Ends the locking of memory: later mappings are not refused for its sake.
 pub fn unlock_memory() {
     let _ = nix::sys::mman::munlockall();
 }
 
-/// Every signal that can be ignored is, but SIGTERM: a process that only switches off is ended by nothing else.
+/// Ignores every signal that can be ignored, but SIGTERM: a process that only switches off is ended by nothing else.
 #[allow(unsafe_code)]
 pub fn ignore_signals() {
     for number in 1..=libc::SIGRTMAX() {
@@ -152,7 +151,7 @@ pub fn ignore_signals() {
     }
 }
 
-/// Touches so many bytes of the calling thread's stack, so that they are there without a page fault later.
+/// Touches `BYTES` bytes of the calling thread's stack, so that they are there without a page fault later.
 #[inline(never)]
 pub fn touch_stack<const BYTES: usize>() {
     let mut bytes = [0_u8; BYTES];

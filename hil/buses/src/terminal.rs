@@ -33,7 +33,7 @@ impl Terminal {
         Some(terminal)
     }
 
-    /// Columns and rows; `None` for one that does not say.
+    /// Columns and rows; `None` for a terminal that does not tell them.
     #[allow(unsafe_code)]
     pub fn size(&self) -> Option<(u16, u16)> {
         let mut size = libc::winsize {
@@ -48,7 +48,7 @@ impl Terminal {
         (result == 0 && size.ws_col > 0 && size.ws_row > 0).then_some((size.ws_col, size.ws_row))
     }
 
-    /// A key that was pressed. Never waits.
+    /// The next key that was pressed. Never waits.
     pub fn key(&self) -> Option<u8> {
         let stdin = io::stdin();
         let mut fds = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];

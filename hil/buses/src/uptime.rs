@@ -1,4 +1,4 @@
-//! How long this computer has been on: a clock that no one sets, for what has to cool between two programs.
+//! Time that this computer has been on: a clock that no one sets, for hardware that has to cool between two programs.
 
 use std::fs;
 use std::io;
@@ -12,7 +12,7 @@ pub fn uptime_ms() -> u64 {
     u64::try_from(nanoseconds(ClockId::CLOCK_BOOTTIME)).unwrap_or(0) / 1_000_000
 }
 
-/// What [`uptime_ms`] counts from: one start of this computer, as processes of one time namespace count it. `None` where the
+/// Origin of [`uptime_ms`]: one start of this computer, as processes of one time namespace count it. `None` where the
 /// system does not say.
 pub fn uptime_start() -> Option<String> {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;

@@ -1,4 +1,4 @@
-//! The latency budget: where time goes between a touch of the robot and what the wearer feels of it.
+//! The latency budget: the parts of the time between a touch of the robot and the wearer's sensation.
 
 use std::collections::BTreeMap;
 
@@ -19,14 +19,14 @@ pub(crate) const MOST: usize = 100_000;
 /// Outputs whose edge is awaited at most: more than any bench has.
 const MOST_AWAITED: usize = 1024;
 
-/// Median, 99 % and most of something, milliseconds.
+/// Median, 99 % and largest of some times, milliseconds.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Spread {
-    /// Half are below.
+    /// Half of the times are below.
     pub median: f64,
-    /// 99 % are below.
+    /// 99 % of the times are below.
     pub p99: f64,
-    /// None is above.
+    /// Largest of the times.
     pub max: f64,
 }
 
@@ -66,20 +66,20 @@ impl Spread {
     }
 }
 
-/// The parts, each after the one before it.
+/// Parts of the latency, each after the one before it.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Budget {
-    /// Robot: from the end of a reading until it was sent.
+    /// Time on the robot from the end of a reading until it was sent.
     pub sensor_ms: Option<Spread>,
-    /// From sending to arrival, at most: what an answer of the robot proves.
+    /// Time from sending to arrival, at most: an answer of the robot proves the bound.
     pub network_ms: Option<Spread>,
-    /// From the newest reading's arrival to the onset that it gave: the wait for the grid of onsets.
+    /// Time from the newest reading's arrival to the onset that it gave: the wait for the grid of onsets.
     pub projection_ms: Option<Spread>,
-    /// From the onset to the first rising edge of its output: transfers to the chip, its phase.
+    /// Time from the onset to the first rising edge of its output: transfers to the chip, its phase.
     pub unit_ms: Option<Spread>,
-    /// From the first current until the tissue has moved half of its way: the model of the bench's wire.
+    /// Time from the first current until the tissue has moved half of its way: the model of the bench's wire.
     pub wire_ms: Option<Spread>,
-    /// From then until the level reaches the threshold: the model of the bench's person.
+    /// Time from then until the level reaches the threshold: the model of the bench's person.
     pub skin_ms: Option<Spread>,
 }
 
@@ -97,7 +97,7 @@ impl Budget {
         ]
     }
 
-    /// One line of it.
+    /// Words of the budget, in a line.
     #[must_use]
     pub fn line(&self) -> String {
         let part = |(name, spread): &(&str, Option<Spread>)| match spread {
@@ -116,7 +116,7 @@ impl Budget {
         )
     }
 
-    /// For the summary of a report.
+    /// Rows for the summary of a report.
     #[must_use]
     pub fn rows(&self) -> Vec<SummaryRow> {
         let row = |(name, spread): &(&str, Option<Spread>)| SummaryRow {
@@ -132,7 +132,7 @@ impl Budget {
     }
 }
 
-/// What is measured of it while a finger feels.
+/// Measures the parts of a [`Budget`] while a finger feels.
 #[derive(Debug)]
 pub struct Stopwatch {
     reaction: Reaction,
@@ -140,14 +140,14 @@ pub struct Stopwatch {
     network: Samples,
     projection: Samples,
     unit: Samples,
-    /// When the newest reading arrived that is felt.
+    /// Arrival of the newest reading that is felt.
     arrived: Option<Instant>,
     /// Onsets of outputs that have not risen yet, by board and channel, microseconds.
     awaited: BTreeMap<(u8, u8), u64>,
 }
 
 impl Stopwatch {
-    /// For a bench's wire and person.
+    /// A stopwatch for a bench's wire and person.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
@@ -163,7 +163,7 @@ impl Stopwatch {
         })
     }
 
-    /// A frame that is felt arrived at `now`; its reading may have been as early as `read`.
+    /// Takes a felt frame that arrived at `now`; its reading may have been as early as `read`.
     pub fn arrived(&mut self, head: &Head, read: Instant, now: Instant) {
         let waited = head.sent_us.saturating_sub(head.taken_us);
         self.sensor.keep(waited);
@@ -172,7 +172,7 @@ impl Stopwatch {
         self.arrived = Some(now);
     }
 
-    /// Looks at what happened.
+    /// Looks at an event.
     pub fn see(&mut self, event: &Event) {
         match event {
             Event::Schedule(entry) if entry.width().get() > 0 => {
@@ -194,7 +194,7 @@ impl Stopwatch {
         }
     }
 
-    /// What it comes to.
+    /// Budget of the times so far.
     pub fn finish(&mut self) -> Budget {
         let Reaction { moved_s, felt_s } = self.reaction;
         Budget {

@@ -73,7 +73,7 @@ pub struct AtArgs {
 }
 
 impl AtArgs {
-    /// As the network wants it.
+    /// Addresses and keys as the network takes them.
     #[must_use]
     pub fn at(&self) -> At {
         At {
@@ -109,16 +109,17 @@ pub struct TwiceArgs {
 }
 
 impl EndAtArgs {
-    /// Whether this end opens a second connection: unless told otherwise to other machines alone, which may lose packets.
+    /// Tells whether this end opens a second connection: unless told otherwise to other machines alone, which may lose
+    /// packets.
     #[must_use]
     pub fn is_twice(&self, args: TwiceArgs) -> bool {
         let at = self.at();
-        // Those who connect open both connections.
+        // The end that connects opens both connections.
         let only_listens = at.relay.is_none() && at.connect.is_empty() && !at.listen.is_empty();
         !only_listens && (args.twice || (!args.once && at.leaves_machine()))
     }
 
-    /// As the network wants it.
+    /// Addresses and keys as the network takes them.
     #[must_use]
     pub fn at(&self) -> At {
         At {
@@ -213,7 +214,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     within(text, (0.1, 86_400.0), "")
 }
 
-/// So many seconds after the start of a run's clock.
+/// Time on a run's clock, so many seconds after its start.
 pub(crate) fn after(seconds: f64) -> Instant {
     Instant::from_micros((seconds * 1e6) as u64)
 }

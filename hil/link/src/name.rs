@@ -11,7 +11,7 @@ pub const ROOT: &str = "palpate";
 pub struct Name(String);
 
 impl Name {
-    /// The text.
+    /// Text of the name.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
@@ -41,7 +41,7 @@ impl fmt::Display for Name {
 pub struct FingerName {
     /// The robot.
     pub robot: Name,
-    /// Its hand.
+    /// The robot's hand.
     pub hand: Name,
     /// The finger of that hand.
     pub finger: Name,
@@ -74,37 +74,37 @@ impl FingerName {
         format!("{ROOT}/{self}/{rest}")
     }
 
-    /// Where contacts come.
+    /// Key of contacts.
     #[must_use]
     pub fn contacts(&self) -> String {
         self.key("contacts")
     }
 
-    /// Where scans come.
+    /// Key of scans.
     #[must_use]
     pub fn scans(&self) -> String {
         self.key("scans")
     }
 
-    /// Where the frames of one of these come a second time, over another connection.
+    /// Key under which frames of `key` come a second time, over another connection.
     #[must_use]
     pub fn again(key: &str) -> String {
         format!("{key}/again")
     }
 
-    /// Where a publisher says what it is.
+    /// Key under which a publisher answers with its facts.
     #[must_use]
     pub fn about(&self) -> String {
         self.key("about")
     }
 
-    /// Where a wearer speaks; `*` for all.
+    /// Key of a wearer's messages; `*` for all.
     #[must_use]
     pub fn wearer(&self, wearer: &str) -> String {
         self.key(&format!("wearers/{wearer}"))
     }
 
-    /// Where a wearer is answered.
+    /// Key of answers to a wearer.
     #[must_use]
     pub fn echo(&self, wearer: &Name) -> String {
         self.key(&format!("echo/{wearer}"))

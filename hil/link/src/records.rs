@@ -1,4 +1,4 @@
-//! What the two ends leave behind: records in the formats of `hil`, and what a run came to.
+//! Records of the two ends, in the formats of `hil`, and the report of a run.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -19,7 +19,8 @@ use crate::budget::{Budget, MOST, Samples, Spread};
 use crate::judge::{Gate, Head, Tally};
 use crate::name::FingerName;
 
-/// How the events of a wearer's recording state the bounds of its clock against the robot's: `LOW to HIGH us` follow.
+/// Beginning of the events by which a wearer's recording states the bounds of its clock against the robot's: `LOW to
+/// HIGH us` follow.
 pub const OFFSET_WORDS: &str = "clock minus the robot's: ";
 
 /// A number that no other start of a program has.
@@ -33,7 +34,7 @@ pub fn session_of(session: &Session) -> u64 {
         .max(1)
 }
 
-/// Digest of where a layout's taxels lie: equal on two machines where a contact's place means the same.
+/// Digest of the places of a layout's taxels: equal on two machines where a contact's place means the same.
 #[must_use]
 pub fn layout_digest(file: &SensorLayout) -> u64 {
     let um = |p: Point| ((p.x * 1e3).round() as i64, (p.y * 1e3).round() as i64);
@@ -76,14 +77,14 @@ pub fn journal(
     Journal::start(sinks, false)
 }
 
-/// Whether frames of buses belong in one of these files.
+/// Tells whether frames of buses belong in one of these files.
 #[must_use]
 pub fn keeps_frames(files: &[PathBuf]) -> bool {
     let mut formats = files.iter().filter_map(|path| Format::of_name(path));
     formats.any(|format| matches!(format, Format::Candump | Format::Mcap))
 }
 
-/// What came of a run of the wearer's end.
+/// Report of a run of the wearer's end.
 #[derive(Debug, Default, Serialize)]
 pub struct Felt {
     finger: String,
@@ -91,31 +92,31 @@ pub struct Felt {
     session: String,
     /// Frames that reached the loop.
     pub held: u64,
-    /// Messages that are none, or contacts that are of another skin.
+    /// Messages that cannot be read, or contacts of another skin.
     pub damaged: u64,
     /// Messages that found no room.
     overflowed: u64,
     frames: Tally,
-    /// How old readings may have been when they arrived: an upper bound.
+    /// Ages of readings when they arrived: upper bounds.
     age_ms: Option<Spread>,
-    /// Of this, on the network more than the fastest frame: a lower bound.
+    /// Time on the network beyond the fastest frame's, a part of the age: a lower bound.
     flight_ms: Option<Spread>,
-    /// Where the time goes, from the reading to the skin.
+    /// Latency from the reading to the skin, part by part.
     latency: Budget,
-    /// How long stimuli last.
+    /// Durations of stimuli.
     stimulus_ms: Option<Spread>,
-    /// From one reading that was felt to the next.
+    /// Times from one reading that was felt to the next.
     gap_ms: Option<Spread>,
-    /// Ours minus the robot's clock, microseconds: least and most, at the end.
+    /// Our clock minus the robot's, microseconds: least and most, at the end.
     offset_us: Option<(i64, i64)>,
     /// Stimuli that began.
     stimuli: u64,
-    /// What came of the driver unit, where it is one.
+    /// Report of the driver unit; `None` where the bench has none.
     pub unit: Option<UnitReport>,
     /// Times without a fresh reading.
     pauses: Vec<Pause>,
     length_us: u64,
-    /// When the run's clock began, CLOCK_MONOTONIC of this machine, nanoseconds.
+    /// Start of the run's clock, CLOCK_MONOTONIC of this machine, nanoseconds.
     epoch_ns: i64,
     #[serde(skip)]
     ages: Samples,
@@ -127,7 +128,7 @@ pub struct Felt {
     gaps: Samples,
     #[serde(skip)]
     before: Option<Instant>,
-    /// When an output went low last.
+    /// Time at which an output went low last, microseconds.
     #[serde(skip)]
     fell_us: Option<u64>,
     #[serde(skip)]
@@ -137,19 +138,19 @@ pub struct Felt {
 /// A time without a fresh reading, microseconds of the run.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Pause {
-    /// The time of the newest reading before it, as old as it may have been.
+    /// Time of the newest reading before the pause, as old as it may have been.
     newest_us: u64,
-    /// When the last output went off; none where none was on since the reading, or nothing tells of outputs.
+    /// Time at which the last output went off; null where none was on since the reading, or nothing tells of outputs.
     off_us: Option<u64>,
-    /// The first stimulus after it.
+    /// Time of the first stimulus after the pause.
     back_us: Option<u64>,
 }
 
-/// A reading is fresh for so long.
+/// Time for which a reading is fresh.
 const FRESH: Duration = Duration::from_millis(100);
 
 impl Felt {
-    /// Nothing yet.
+    /// A report before the first frame.
     #[must_use]
     pub fn new(finger: &FingerName, wearer: &str, session: u64, epoch_ns: i64) -> Self {
         Self {
@@ -161,7 +162,7 @@ impl Felt {
         }
     }
 
-    /// A frame came through the gate.
+    /// Takes a frame that came through the gate.
     pub fn arrived(&mut self, head: &Head, at: Instant, now: Instant, offset: Option<(i64, i64)>) {
         self.offset_us = offset;
         self.ages.keep(now.since(at).as_micros());
@@ -177,7 +178,7 @@ impl Felt {
         self.before = Some(at);
     }
 
-    /// Looks at the newest reading that is felt, every turn: how old it is, and whether outputs are on.
+    /// Looks at the newest felt reading, every turn: at its age, and whether outputs are on.
     pub fn look(&mut self, newest: Option<Instant>, now: Instant) {
         let Some(newest) = newest else { return };
         let open = self.pauses.last().is_some_and(|p| p.back_us.is_none());
@@ -190,12 +191,12 @@ impl Felt {
         }
     }
 
-    /// Whether this was not said yet.
+    /// Tells whether a word was not said yet, and remembers it.
     pub fn is_news(&mut self, word: &'static str) -> bool {
         self.told.insert(word)
     }
 
-    /// Counts what happened.
+    /// Counts an event.
     pub fn see(&mut self, event: &Event) {
         match event {
             Event::Edge(edge) if !edge.high => {
@@ -217,7 +218,7 @@ impl Felt {
         }
     }
 
-    /// The run is over.
+    /// Finishes the report at the run's end.
     pub fn finish(&mut self, gate: &Gate, end: Instant, overflowed: u64, latency: Budget) {
         self.frames = *gate.tally();
         self.offset_us = gate.offset(end).or(self.offset_us);
@@ -236,7 +237,7 @@ impl Felt {
         &self.latency
     }
 
-    /// One line of it.
+    /// Words of the report, in a line.
     #[must_use]
     pub fn line(&self) -> String {
         let age = self.age_ms.unwrap_or_default();

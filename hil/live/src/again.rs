@@ -1,4 +1,4 @@
-//! How this program is started again in a process of its own: as a guardian.
+//! Starts this program again in a process of its own: as a guardian.
 
 use std::ffi::OsString;
 use std::io;
@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 /// The words that start this program again, where they are not the path of this executable.
 static AGAIN: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// Says which words start this program, the path of an interpreter first.
+/// Sets the words that start this program, the path of an interpreter first.
 pub fn is_started_by(words: Vec<OsString>) {
     // Only the first counts: a process has one way to be started.
     let _ = AGAIN.set(words);
@@ -17,7 +17,7 @@ pub fn is_started_by(words: Vec<OsString>) {
 /// This program in another process, without a command yet.
 ///
 /// # Errors
-/// What the system says where this executable has no path.
+/// Error of the system where this executable has no path.
 pub fn again() -> io::Result<Process> {
     if let Some((program, first)) = AGAIN.get().and_then(|words| words.split_first()) {
         let mut process = Process::new(program);

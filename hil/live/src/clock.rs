@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
-/// The wall clock, for measuring how long something took.
+/// Wall clock, for measuring durations.
 #[allow(clippy::disallowed_methods)]
 pub fn now() -> Instant {
     Instant::now()

@@ -1,4 +1,4 @@
-//! A signal while files are written: what is half-written goes, then the program.
+//! A signal while files are written: half-written files go, then the program.
 //!
 //! Before the first such file a signal ends the program as the system does. Commands that end in order when a signal
 //! comes (`palpate_buses::signals`) are left to themselves.
@@ -31,7 +31,7 @@ impl Partial {
     /// Makes the file; a signal from now on takes it along.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the system.
     pub fn create(path: &Path) -> io::Result<(Self, fs::File)> {
         static WATCHED: Once = Once::new();
         // Without a watch a signal leaves the file, and the next run of the command does not mind.
@@ -47,10 +47,10 @@ impl Partial {
         ))
     }
 
-    /// Gives it the name of the whole file.
+    /// Gives the file the name of the whole one.
     ///
     /// # Errors
-    /// What the system says; the file is gone then.
+    /// Error of the system; the file is gone then.
     pub fn finish(self, whole: &Path) -> io::Result<()> {
         fs::rename(&self.path, whole)
     }

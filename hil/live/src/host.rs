@@ -1,5 +1,5 @@
-//! A run on any bench, and what one in virtual time is handed from outside: the wall clock to time frames by, live views
-//! if wanted, and the records that are written while it runs.
+//! A run on any bench, with the host of one in virtual time: the wall clock to time frames by, live views if wanted,
+//! and the records that are written while it runs.
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
@@ -39,7 +39,7 @@ pub fn run(
     Ok(outcome)
 }
 
-/// A clock, and perhaps live views and records.
+/// The host of an emulated run: a clock, and perhaps live views and records.
 #[derive(Debug, Default)]
 struct Onlooker<'a> {
     wanted: Wanted<'a>,
@@ -49,7 +49,7 @@ struct Onlooker<'a> {
     sinks: Vec<Sink>,
 }
 
-/// What holds a run in virtual time to the wall clock, and what ends it meanwhile.
+/// Pace of a run in virtual time by the wall clock, and signals that end it.
 #[derive(Debug)]
 struct Pace {
     clock: RunClock,

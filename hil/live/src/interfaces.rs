@@ -1,9 +1,9 @@
-//! What has happened on CAN interfaces, for summaries and recordings.
+//! Reports of CAN interfaces, for summaries and recordings.
 
 use palpate_buses::can::Tally;
 use palpate_run::CanReport;
 
-/// What has happened on every interface, by name.
+/// Report of every interface, by name.
 pub fn reports(names: &[String], tallies: &[Tally]) -> Vec<CanReport> {
     let report = |(interface, tally): (&String, &Tally)| CanReport {
         interface: interface.clone(),
@@ -17,7 +17,7 @@ pub fn reports(names: &[String], tallies: &[Tally]) -> Vec<CanReport> {
     names.iter().zip(tallies).map(report).collect()
 }
 
-/// The same in a line each.
+/// Report of every interface, a line each.
 pub fn lines(names: &[String], tallies: &[Tally]) -> Vec<String> {
     reports(names, tallies)
         .iter()

@@ -1,5 +1,5 @@
-//! A bench in real time, below the commands of `hil`: runs on hardware and driver units, emulated hardware on device nodes,
-//! the unit as a process, records that grow, and what people see meanwhile.
+//! A bench in real time, below the commands of `hil`: runs on hardware and driver units, emulated hardware on device
+//! nodes, the unit as a process, records that grow, and live views.
 
 pub mod again;
 pub mod clock;

@@ -17,22 +17,22 @@ use serde::Serialize;
 use crate::ending::Partial;
 use crate::progress::aside;
 
-/// What outputs of a command may replace: nothing that was there, but earlier outputs of their kind.
+/// Rules for files that outputs of a command may replace: earlier outputs of their kind alone.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outputs<'a> {
-    /// Whether anything may be replaced (`--force`).
+    /// `true` where anything may be replaced (`--force`).
     pub force: bool,
     /// The recordings that the command reads.
     pub inputs: &'a [PathBuf],
 }
 
-/// What a table of `hil design` begins with.
+/// Beginning of a table of `hil design`.
 pub const DESIGNS: &str = "wire,alloy,";
 
-/// So much of a file tells what it is.
+/// Bytes from a file's start that show its kind.
 const START: u64 = 4096;
 
-/// Whether a file that begins so, in this format, was written by this program.
+/// Tells whether a file of this format with this start was written by this program.
 fn is_ours(start: &[u8], format: Format) -> bool {
     let text = String::from_utf8_lossy(start);
     match format {
@@ -60,7 +60,7 @@ impl Outputs<'_> {
         Outputs { force, inputs: &[] }
     }
 
-    /// Whether a file of this format may be written: to be asked before the work is done, too.
+    /// Checks that a file of this format may be written. Commands ask before they begin their work, too.
     ///
     /// # Errors
     /// [`Failure::Input`] for an input, and for a file that is no earlier output of this format.
@@ -97,10 +97,10 @@ impl Outputs<'_> {
         }
     }
 
-    /// The same of a table (CSV) that begins so: an earlier output of another command is none of its kind.
+    /// Checks that a table (CSV) with this head may be written: an earlier output of another command is refused.
     ///
     /// # Errors
-    /// As [`Outputs::check`].
+    /// Errors of [`Outputs::check`].
     pub fn check_csv(self, path: &Path, head: &str) -> Result<(), Failure> {
         self.check(path, Format::Csv)?;
         let mut start = Vec::new();
@@ -134,10 +134,10 @@ impl Outputs<'_> {
         write_file(path, content)
     }
 
-    /// Opens a file that grows while what it records goes on, where nothing else is lost.
+    /// Opens a file that grows while its recording goes on, where nothing else is lost.
     ///
     /// # Errors
-    /// As [`Outputs::check`], and [`Failure::Write`] with what the system said.
+    /// Errors of [`Outputs::check`], and [`Failure::Write`] with the system's error.
     pub fn grow(self, path: &Path, format: Format) -> Result<fs::File, Failure> {
         self.check(path, format)?;
         fs::File::create(path).map_err(Failure::written(path))
@@ -152,10 +152,10 @@ impl Outputs<'_> {
         Unfinished::create(path).map_err(Failure::written(path))
     }
 
-    /// Whether a table of contacts and the schema beside it may be written.
+    /// Checks that a table of contacts and the schema beside it may be written.
     ///
     /// # Errors
-    /// As [`Outputs::check`].
+    /// Errors of [`Outputs::check`].
     pub fn check_table(self, table: &Path) -> Result<(), Failure> {
         self.check(table, Format::Contacts)?;
         self.check(&table.with_extension("schema.json"), Format::Json)
@@ -167,7 +167,7 @@ impl Outputs<'_> {
 /// stands: a rename would put a file in a device's place. A link keeps pointing where it points.
 ///
 /// # Errors
-/// [`Failure::Write`] with the path and what the system said.
+/// [`Failure::Write`] with the path and the system's error.
 pub fn write_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -184,12 +184,12 @@ pub fn write_file(
 /// An output that is not whole yet. Dropped, its file is gone.
 #[derive(Debug)]
 pub struct Unfinished {
-    /// The neighbour, and the name that it will have; nothing of what is no ordinary file.
+    /// The neighbour, and the name that it will have; `None` for an output that is no ordinary file.
     partial: Option<(Partial, PathBuf)>,
 }
 
 impl Unfinished {
-    /// Opens what [`write_file`] writes to.
+    /// Opens the file that [`write_file`] writes to.
     fn create(path: &Path) -> io::Result<(Self, fs::File)> {
         let whole = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         match fs::metadata(&whole) {
@@ -214,7 +214,7 @@ impl Unfinished {
     /// Gives the file its name, once it is on the disk.
     ///
     /// # Errors
-    /// What the system says; the file is gone then.
+    /// Error of the system; the file is gone then.
     pub fn finish(self, file: &fs::File) -> io::Result<()> {
         match self.partial {
             None => Ok(()),
@@ -226,12 +226,12 @@ impl Unfinished {
     }
 }
 
-/// Whether a path is or will be an ordinary file, which can have others beside it.
+/// Tells whether a path is or will be an ordinary file, which can have others beside it.
 pub(crate) fn is_ordinary(path: &Path) -> bool {
     !is_stream(path) && fs::metadata(path).map_or(true, |there| there.is_file())
 }
 
-/// Whether a path names an open stream of this program, which may be a file elsewhere.
+/// Tells whether a path names an open stream of this program, which may be a file elsewhere.
 fn is_stream(path: &Path) -> bool {
     ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc/self/fd"]
         .iter()
@@ -242,7 +242,7 @@ fn is_stream(path: &Path) -> bool {
 /// `contacts.schema.json`. A table that goes down a pipe has nothing beside it.
 ///
 /// # Errors
-/// As [`write_file`].
+/// Errors of [`write_file`].
 pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failure> {
     if !is_ordinary(table) {
         return Ok(());
@@ -255,13 +255,13 @@ pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failur
 /// Makes a folder and those above it, where they are not there yet.
 ///
 /// # Errors
-/// [`Failure::Input`] where something else has that name, [`Failure::Write`] with the path and what the system said.
+/// [`Failure::Input`] where something else has that name, [`Failure::Write`] with the path and the system's error.
 pub fn make_folder(path: &Path) -> Result<(), Failure> {
     check_folder(path)?;
     fs::create_dir_all(path).map_err(Failure::written(path))
 }
 
-/// Whether a folder may be made or is there: to be asked before the work is done.
+/// Checks that a folder is there or may be made. Commands ask before they begin their work.
 ///
 /// # Errors
 /// [`Failure::Input`] where something else has that name.
@@ -275,7 +275,7 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// A remark on standard error, which may be closed.
+/// Writes a remark on standard error, which may be closed.
 pub fn note(text: &str) {
     let _ = aside(|| writeln!(io::stderr(), "note: {}", unnumbered(text)));
 }

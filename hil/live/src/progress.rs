@@ -1,7 +1,7 @@
-//! What long work does, how far it is and when it ends: one line on standard error, where that is a terminal, once the
-//! work takes longer than two seconds.
+//! Name, progress and end of long work: one line on standard error, where that is a terminal, once the work takes
+//! longer than two seconds.
 //!
-//! Work that counts stores a number. What it costs to show it is a thread's own: nothing waits for a terminal.
+//! Work that counts stores a number. A thread of its own shows the number: no work waits for a terminal.
 
 use std::fs;
 use std::io::IsTerminal;
@@ -14,16 +14,16 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Work that ends sooner says nothing.
+/// Time within which work ends without a line.
 const LATE: Duration = Duration::from_secs(2);
-/// Time between two looks at it.
+/// Time between two looks at the progress.
 const EVERY: Duration = Duration::from_millis(125);
-/// Steps of a part of one.
+/// Steps of work that counts in parts of one.
 const STEPS: u64 = 100_000;
 
-/// Whether anything may be shown at all.
+/// `true` where progress may be shown at all.
 static ALLOWED: AtomicBool = AtomicBool::new(false);
-/// Whether something writes to the terminal at length.
+/// `true` while something writes to the terminal at length.
 static ASIDE: AtomicBool = AtomicBool::new(false);
 /// The line that is shown, or will be; work within other work has none of its own.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -32,7 +32,7 @@ fn shown() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
     SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets work be shown, where standard error is a terminal that can redraw a line and no CI keeps a log of it.
+/// Allows progress to be shown, where standard error is a terminal that can redraw a line and no CI keeps a log of it.
 pub fn allow() {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
@@ -40,7 +40,7 @@ pub fn allow() {
     ALLOWED.store(allowed, Ordering::Relaxed);
 }
 
-/// Does what writes to the terminal while the line is out of the way.
+/// Writes to the terminal while the line is out of the way.
 pub fn aside<T>(write: impl FnOnce() -> T) -> T {
     let bar = shown().clone();
     ASIDE.store(true, Ordering::Relaxed);
@@ -52,12 +52,13 @@ pub fn aside<T>(write: impl FnOnce() -> T) -> T {
     written
 }
 
-/// How far something is.
+/// Source of the work's progress.
 #[derive(Debug)]
 enum Course {
-    /// As it counts itself.
+    /// Steps that the work counts itself.
     Counted,
-    /// As far as the system has read this file for it. Readers lie in rooms that know neither clock nor terminal.
+    /// Bytes of this file that the system has read for the work. Readers lie in rooms that know neither clock nor
+    /// terminal.
     Reading(PathBuf),
 }
 
@@ -65,24 +66,24 @@ enum Course {
 #[derive(Debug)]
 pub struct Progress {
     at: Arc<AtomicU64>,
-    /// Held so that its end is noticed, with who notices.
+    /// Sender whose drop ends the line, and the thread that shows it.
     shown: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// Work in so many steps, which `noun` names: `runs`.
+    /// Progress of work in so many steps; `noun` names them: `runs`.
     pub fn counted(what: &str, total: u64, noun: &str) -> Self {
         let style = format!("{{msg}} [{{bar:30}}] {{pos}} of {{len}} {noun}, {{eta}} left");
         Self::new(what, Some(total), &style, Course::Counted)
     }
 
-    /// Work whose part that is done is known.
+    /// Progress of work whose done part is known.
     pub fn of_part(what: &str) -> Self {
         let style = "{msg} [{bar:30}] {percent} %, {eta} left";
         Self::new(what, Some(STEPS), style, Course::Counted)
     }
 
-    /// A file that is read from its begin to its end. Of a pipe the end is not known.
+    /// Progress of reading a file from begin to end. The end of a pipe is not known.
     pub fn reading(path: &Path) -> Self {
         let what = format!("reading {}", path.display());
         match fs::canonicalize(path).and_then(|path| Ok((fs::metadata(&path)?, path))) {
@@ -94,7 +95,7 @@ impl Progress {
         }
     }
 
-    /// Work of which nothing is known but that it goes on.
+    /// Progress of work of unknown length.
     pub fn endless(what: &str) -> Self {
         Self::new(
             what,
@@ -138,17 +139,17 @@ impl Progress {
         }
     }
 
-    /// It has come to this step.
+    /// Sets the step that the work has reached.
     pub fn to(&self, step: u64) {
         self.at.store(step, Ordering::Relaxed);
     }
 
-    /// It has come one step further.
+    /// Counts one more step.
     pub fn step(&self) {
         self.at.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// This part of it is done, 0 to 1.
+    /// Sets the part of the work that is done, 0 to 1.
     pub fn part(&self, part: f64) {
         self.to((part * STEPS as f64) as u64);
     }
@@ -158,7 +159,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some((ends, thread)) = self.shown.take() {
             drop(ends);
-            // It has cleared its line, so what is written next stands where it was.
+            // The thread has cleared its line, so the next text stands where it was.
             let _ = thread.join();
             *shown() = None;
         }
@@ -182,7 +183,7 @@ fn show(bar: &ProgressBar, course: &Course, at: &AtomicU64, ended: &Receiver<()>
     bar.finish_and_clear();
 }
 
-/// How far this process has read a file that it has open; none where it has not.
+/// Bytes that this process has read of a file that it has open; `None` where it has not.
 fn position(path: &Path) -> Option<u64> {
     let open = fs::read_dir("/proc/self/fd").ok()?.flatten();
     let of = |fd: fs::DirEntry| {

@@ -1,4 +1,4 @@
-//! What a program that serves clients says on standard output while it does: words for people, or JSON Lines.
+//! Standard output of a program that serves clients: words for people, or JSON Lines.
 //!
 //! A thread of its own writes: a reader that stops reading keeps no unit and no emulator from its next turn.
 
@@ -12,21 +12,21 @@ use palpate_records::json::write_json;
 use palpate_run::Failure;
 use serde::Serialize;
 
-/// What may wait for a reader, bytes: a quarter of a minute of a hand whose outputs all change.
+/// Bytes that wait for a reader at the most: a quarter of a minute of a hand whose outputs all change.
 const MOST: usize = 16 << 20;
-/// What is written in one go, bytes: a pipe takes so much at once.
+/// Bytes that are written in one go: a pipe takes as many at once.
 const PIECE: usize = 4096;
-/// A reader that takes nothing for so long at the end reads no more.
+/// Time after which a reader at the end that takes nothing counts as gone.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// How a program speaks.
+/// Form of a program's output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Telling {
-    /// For people.
+    /// Words for people.
     Words,
     /// JSON Lines.
     Json,
-    /// Not at all.
+    /// No output.
     Nothing,
 }
 
@@ -41,9 +41,9 @@ impl Telling {
     }
 }
 
-/// Something that happened: an object of JSON, or words.
+/// An event to tell: an object of JSON, or words.
 pub trait Say: Serialize {
-    /// For people; nothing where it does not matter to them.
+    /// Writes words for people; none for an event that does not matter to them.
     ///
     /// # Errors
     /// Errors of the stream.
@@ -68,26 +68,26 @@ impl Say for Lost {
     }
 }
 
-/// What waits for the thread that writes.
+/// Output that waits for the thread that writes.
 #[derive(Debug, Default)]
 struct Waiting {
     bytes: Vec<u8>,
-    /// The thread may write it.
+    /// `true` once the thread may write the bytes.
     is_due: bool,
-    /// The thread writes what it took.
+    /// `true` while the thread writes the bytes that it took.
     is_writing: bool,
     /// Pieces written so far.
     written: u64,
-    /// Lines that found no place since this was last said.
+    /// Lines that found no place since the last one that told so.
     lost: u64,
-    /// Nothing is written any more.
+    /// `true` once nothing is written any more.
     is_over: bool,
-    /// Why, until somebody has learnt it.
+    /// Error that ended the writing, until it is reported.
     failed: Option<io::Error>,
 }
 
 impl Waiting {
-    /// Why nothing can be written any more, once. A reader that went away is no error: the program serves on, unheard.
+    /// Takes the error that ended the writing. A reader that went away is no error: the program serves on, unheard.
     fn failure(&mut self) -> Result<(), Failure> {
         match self.failed.take() {
             Some(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -105,12 +105,12 @@ struct Desk {
 }
 
 impl Desk {
-    /// What waits is whole whatever happened to a thread that held it.
+    /// Locks the output. It is whole even where a thread panicked with the lock.
     fn waiting(&self) -> MutexGuard<'_, Waiting> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Writes what comes, until that fails or nobody speaks any more.
+    /// Writes waiting output, until that fails or nobody speaks any more.
     fn write(&self, mut out: impl Write) {
         let mut taken = Vec::new();
         loop {
@@ -189,7 +189,7 @@ impl Teller {
         })
     }
 
-    /// Says what happened, without waiting for who reads it.
+    /// Tells an event, without waiting for a reader.
     ///
     /// # Errors
     /// [`Failure::Write`] for a full disk; a reader that went away is no error.
@@ -197,10 +197,10 @@ impl Teller {
         self.say(told, MOST)
     }
 
-    /// Lets readers have what was said so far.
+    /// Lets readers have all lines so far.
     ///
     /// # Errors
-    /// As [`Self::tell`].
+    /// Errors of [`Self::tell`].
     pub fn flush(&mut self) -> Result<(), Failure> {
         let mut waiting = self.desk.waiting();
         waiting.is_due = true;
@@ -217,7 +217,7 @@ impl Teller {
         self.desk.drain()
     }
 
-    /// Puts a line among what waits, if that has less than so many bytes.
+    /// Queues a line, if fewer than `most` bytes wait.
     fn say(&mut self, told: &impl Say, most: usize) -> Result<(), Failure> {
         let mut waiting = self.desk.waiting();
         waiting.failure()?;
@@ -244,16 +244,16 @@ impl Teller {
 }
 
 impl Drop for Teller {
-    /// A program that ends otherwise has its last words read too.
+    /// Lets readers have the last lines of a program that ends otherwise.
     fn drop(&mut self) {
-        // Nobody is left to learn of it.
+        // An error here reaches nobody.
         let _ = self.desk.drain();
         self.desk.waiting().is_over = true;
         self.desk.changed.notify_all();
     }
 }
 
-/// Puts what happened at the end of a line of this form.
+/// Appends an event to a line, in this form.
 fn append(form: Telling, told: &impl Say, line: &mut Vec<u8>) -> io::Result<()> {
     match form {
         Telling::Json => {

@@ -1,4 +1,4 @@
-//! What looks on at a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or nothing.
+//! Views of a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or none.
 
 use std::path::PathBuf;
 
@@ -11,56 +11,56 @@ use crate::output::{Outputs, note};
 use crate::serve::{Desk, Live, LiveRun};
 use crate::watch::Watch;
 
-/// How often an experimenter sees the limits anew.
+/// Time between two looks of an experimenter at the limits.
 const LIMITS_EVERY: Duration = Duration::from_millis(250);
 
-/// What a stop by a page is called where it is kept.
+/// Name of a stop by a page, where the stop is kept.
 pub const STOPPED_BY_PAGE: &str = "STOP on a page";
 
-/// Looks on at a run.
+/// Views of a run that are open.
 #[derive(Debug, Default)]
 pub struct Views {
     watch: Option<Watch>,
-    /// Whether a terminal was looked for.
+    /// `true` once a terminal was looked for.
     sought: bool,
     live: Option<LiveRun>,
     desk: Option<Desk>,
-    /// When the experimenter sees the limits next.
+    /// Time at which the experimenter sees the limits next.
     limits: Instant,
 }
 
 /// Views, words and files of a run while it goes on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wanted<'a> {
-    /// A view on a terminal, which notes would tear.
+    /// `true` for a view on a terminal, which notes would tear.
     pub watch: bool,
     /// A view in pages.
     pub live: Option<&'a Live>,
     /// The pages of a study, of which each may stop the run.
     pub desk: Option<&'a Desk>,
-    /// Whether standard error gets errors alone.
+    /// `true` where standard error gets errors alone.
     pub quiet: bool,
     /// Files that grow.
     pub files: &'a [(Format, PathBuf)],
-    /// The files that those may replace.
+    /// Rules for files that those may replace.
     pub outputs: Outputs<'a>,
 }
 
 impl Wanted<'_> {
-    /// Whether anything looks on.
+    /// Tells whether any view is wanted.
     pub const fn is_seen(self) -> bool {
         self.watch || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Whether a page has said STOP: everything is to go off and stay off, where something keeps it so.
+    /// Tells whether a page has said STOP: everything is to go off and stay off, where the stop is kept.
     pub fn is_stopped(self) -> bool {
         self.desk.is_some_and(Desk::is_stopped) || self.live.is_some_and(Live::is_stopped)
     }
 }
 
 impl Views {
-    /// Opens what is wanted on a run, or adds one more of its displays. Without a terminal a note says so, and the run goes
-    /// on without.
+    /// Opens the wanted views of a run, or adds one more of its displays. Without a terminal a note tells so, and the
+    /// run goes on without that view.
     ///
     /// # Errors
     /// [`Failure::Device`] when the system gives no thread.
@@ -81,12 +81,12 @@ impl Views {
         Ok(())
     }
 
-    /// Whether something looks on.
+    /// Tells whether any view is open.
     pub const fn are_open(&self) -> bool {
         self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Shows a turn. Returns whether those who look on want the run to end.
+    /// Shows a turn. Returns whether a viewer wants the run to end.
     pub fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         if let Some(desk) = &self.desk {
             if desk.is_stopped() {

@@ -17,7 +17,7 @@ use crate::errors::free;
 use crate::table::Table;
 use crate::tables;
 
-/// A contact and the row that it is of.
+/// A contact, with the number and time of its row.
 type Found = (u32, u64, Contact);
 
 struct State {
@@ -26,7 +26,7 @@ struct State {
     columns: usize,
     found: Vec<Found>,
     intensities: Intensities,
-    /// Found over all of them, at the end.
+    /// Levels over all contacts, found at the end.
     levels: Option<LevelTable>,
 }
 
@@ -113,7 +113,7 @@ impl Wanted {
     }
 }
 
-/// Bytes as the values that they are of: as they lie there, which Python's do, else in a copy.
+/// Values of bytes: as they lie there, which Python's do, else in a copy.
 fn values<T: bytemuck::Pod>(bytes: &[u8]) -> Cow<'_, [T]> {
     match bytemuck::try_cast_slice(bytes) {
         Ok(values) => Cow::Borrowed(values),

@@ -1,4 +1,4 @@
-//! What goes wrong, as exceptions of Python: file, line, key and hint come along, and no panic crosses the border.
+//! Failures as exceptions of Python: file, line, key and hint come along, and no panic crosses the border.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -46,7 +46,7 @@ pub fn of(failure: &Failure) -> PyErr {
     .unwrap_or_else(|error| error)
 }
 
-/// What to do about a file: take the name that was meant, or write what was expected.
+/// Hint on a file: take the name that was meant, or write what was expected.
 fn hint(error: &FileError) -> String {
     match error.found.split_once("did you mean ") {
         Some((_, meant)) => format!("use {}", meant.trim_end_matches('?')),
@@ -62,7 +62,7 @@ pub fn free<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    // What a panic leaves is not used again: objects that it came through refuse later calls.
+    // Objects that a panic came through refuse later calls: their state is not used again.
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(failure)) => Err(of(&failure)),

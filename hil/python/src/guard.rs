@@ -1,4 +1,4 @@
-//! What the guard would leave of a schedule, without a loop or a display.
+//! Guarded form of a schedule, without a loop or a display.
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::Guard;
@@ -20,7 +20,7 @@ type Predicted = (f64, f64, f64, f64, f64);
 /// Asks for a stimulus: time (us), wire, width (ticks), length (us).
 type Wanted = (u64, u16, u16, u64);
 
-/// Ends what is over by `at`.
+/// Ends stimuli that are over by `at`.
 fn expire(guard: &mut Guard, boards: &[Board], at: Instant) {
     while let Some(end) = guard.next_expiry().filter(|end| *end <= at) {
         for board in boards {

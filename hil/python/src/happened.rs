@@ -1,4 +1,4 @@
-//! What happened in a loop since it was last asked.
+//! Events of a loop since it was last asked.
 
 use palpate_records::trace::Event;
 use pyo3::exceptions::PyKeyError;
@@ -13,7 +13,7 @@ use crate::tables::{self, About};
 pub struct Happened {
     /// The events.
     pub events: Vec<Event>,
-    /// What its tables need beside.
+    /// Facts of the run that its tables need besides the events.
     pub about: About,
     /// Events before these that were dropped.
     #[pyo3(get)]

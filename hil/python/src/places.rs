@@ -1,9 +1,9 @@
-//! Where taxels and wires lie.
+//! Places of taxels and wires.
 
 use palpate_core::skin::Layout;
 use palpate_records::trace::WireInfo;
 
-/// Where a wire lies, mm.
+/// Place of a wire, mm.
 pub fn wire(wire: &WireInfo) -> (f64, f64) {
     let mm = |um: i32| f64::from(um) * 1e-3;
     (mm(wire.place.x), mm(wire.place.y))

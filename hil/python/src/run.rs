@@ -26,14 +26,14 @@ pub struct Run {
     outcome: Outcome,
 }
 
-/// So many turns pass between two looks for Ctrl-C: some milliseconds.
+/// Turns between two looks for Ctrl-C: some milliseconds.
 const TURNS: u32 = 1024;
 
 /// Ends a run when Python has a signal to raise.
 #[derive(Debug, Default)]
 pub struct Interruptible {
     turns: u32,
-    /// What is to be raised.
+    /// Exception that a signal raised.
     pub raised: Option<PyErr>,
 }
 
@@ -51,7 +51,7 @@ impl Host for Interruptible {
     }
 }
 
-/// What drives a run in place of touches.
+/// Readings that drive a run in place of touches.
 #[derive(Debug)]
 pub enum Readings {
     Touches,
@@ -136,7 +136,7 @@ pub fn run(
 }
 
 impl Run {
-    /// Of one of several displays, or of all of them.
+    /// Outcome of one of several displays, or of all of them.
     fn of(&self, display: Option<usize>) -> PyResult<&Outcome> {
         let Some(number) = display else {
             return Ok(&self.outcome);

@@ -1,4 +1,4 @@
-//! The loop, held open: readings are pushed or touches change, virtual time goes on, and what happened is handed out.
+//! The loop, held open: readings are pushed or touches change, virtual time goes on, and events are handed out.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
@@ -23,36 +23,36 @@ struct Held {
     hands: Option<Vec<Hand>>,
 }
 
-/// What is in a loop at any time.
+/// State of a loop.
 struct State {
     /// The session and its hands; none once it is closed, or left by a panic.
     held: Option<Box<Held>>,
-    /// When the boards have started.
+    /// Time at which the boards have started.
     ready: Instant,
     about: About,
     /// Module of each taxel, and where it lies there, mm.
     taxels: Vec<(u16, f64, f64)>,
-    /// Where the wires lie on the display, mm.
+    /// Places of the wires on the display, mm.
     wires: Vec<(f64, f64)>,
-    /// When the newest scan of each module came, microseconds.
+    /// Time of the newest scan of each module, microseconds.
     newest: Vec<Option<u64>>,
     axes: usize,
     /// A scan in the loop's own form.
     counts: Vec<[u16; 3]>,
-    /// What the wires get in place of the scene's illusion, where that comes from outside.
+    /// Activations of the wires in place of the scene's illusion, where they come from outside.
     activations: Option<Activations>,
-    /// From onset to onset, microseconds.
+    /// Time from onset to onset, microseconds.
     soa_us: u64,
-    /// What it was made of, for its page.
+    /// Setup of the loop, for its page.
     setup: palpate_files::Setup,
     seed: u64,
-    /// Its page, where one is shown.
+    /// Pictures of the loop's page, where one is shown.
     shown: Option<Box<Shown>>,
-    /// What a signal raised.
+    /// Exception that a signal raised.
     raised: Option<PyErr>,
 }
 
-/// So much virtual time passes between two looks for Ctrl-C, microseconds: some milliseconds of computing.
+/// Virtual time between two looks for Ctrl-C, microseconds: some milliseconds of computing.
 const PIECE_US: u64 = 1_000_000;
 
 /// A loop between readings or touches and an emulated display, in virtual time.
@@ -67,7 +67,7 @@ fn closed() -> Failure {
     input("Loop: expected one that is open, found a closed one; make another")
 }
 
-/// A turn, or what ended the loop before its time.
+/// Takes a turn. The error is the failure that ended the loop before its time.
 fn turn(
     session: &mut EmulatedSession,
     now: Option<Instant>,
@@ -123,7 +123,7 @@ impl State {
         self.turn_at(until_us)
     }
 
-    /// The turns that are due before `until_us`; between pieces of them Python may raise a signal.
+    /// Runs the turns that are due before `until_us`; between pieces of them Python may raise a signal.
     fn pass(&mut self, until_us: u64) -> Result<(), Failure> {
         let mut piece_us = self.now()?.saturating_add(PIECE_US);
         loop {
@@ -140,7 +140,7 @@ impl State {
         }
     }
 
-    /// A turn at this time, unless it is later already, or the boards are not ready.
+    /// Takes a turn at this time, unless it is later already, or the boards are not ready.
     fn turn_at(&mut self, at_us: u64) -> Result<(), Failure> {
         let at = Instant::from_micros(at_us.max(self.now()?));
         if at < self.ready {
@@ -220,20 +220,20 @@ impl State {
         })
     }
 
-    /// What was felt of the newest onset until now is all that is told of it.
+    /// Scores the newest onset by its sensation until now. Later sensation is never reported for it.
     fn conclude(&mut self) -> Result<(), Failure> {
         let (display, projector, recorder) = self.session()?.all();
         display.score(projector, recorder);
         Ok(())
     }
 
-    /// How far every taxel is from its reference, counts; NaN for one that is left out. Empty before the first frame.
+    /// Change of every taxel from its reference, counts; NaN for one that is left out. Empty before the first frame.
     fn changes(&self) -> Result<Vec<f32>, Failure> {
         let (_, recorder) = self.held()?.session.seen();
         Ok(recorder.counts.clone().unwrap_or_default())
     }
 
-    /// Begins pictures for a page, or begins them anew; what stays as it is.
+    /// Begins pictures for a page, or begins them anew. Returns the head, JSON.
     fn show(&mut self) -> Result<String, Failure> {
         let held = self.held.as_mut().ok_or_else(closed)?;
         let shown = Shown::new(&self.setup, self.seed, &mut held.session)?;
@@ -274,7 +274,7 @@ impl Loop {
         }
     }
 
-    /// Does something with the state, without the interpreter's lock.
+    /// Works with the state, without the interpreter's lock.
     fn within<T: Send>(
         &self,
         py: Python<'_>,
@@ -289,7 +289,7 @@ impl Loop {
             done
         });
         if !whole {
-            // What a panic leaves between two turns is no loop.
+            // The state that a panic leaves between two turns is no loop.
             state.held = None;
         }
         match state.raised.take() {

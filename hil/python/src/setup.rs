@@ -1,4 +1,4 @@
-//! What a run needs: a scene on a bench, with the values that the caller puts in place of the files' own.
+//! Setup of a run: a scene on a bench, with the values that the caller puts in place of the files' own.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::errors::free;
 
-/// What errors call a scene that came as text.
+/// Name in errors of a scene that came as text.
 const TEXT: &str = "<scene>";
 
 /// A checked setup.
@@ -20,7 +20,7 @@ pub struct Setup {
     pub inner: palpate_files::Setup,
 }
 
-/// What the caller states.
+/// Values that the caller states.
 struct Stated {
     scene: Option<String>,
     text: Option<String>,

@@ -1,4 +1,4 @@
-//! What a page in a notebook is shown of a loop: pictures of what happened, beside the steps that a caller gets.
+//! Pictures of a loop for a page in a notebook, apart from the steps that a caller gets.
 
 use palpate_files::Setup;
 use palpate_records::trace::Event;
@@ -14,7 +14,7 @@ const MOST: usize = 1 << 16;
 pub struct Shown {
     head: Head,
     painter: Painter,
-    /// What no picture has told yet.
+    /// Events that no picture has told yet.
     waiting: Vec<Event>,
     dropped: u64,
 }
@@ -24,10 +24,10 @@ fn json<T: Serialize>(told: &T) -> Result<String, Failure> {
 }
 
 impl Shown {
-    /// From now on.
+    /// Begins pictures from now on.
     pub fn new(setup: &Setup, seed: u64, session: &mut EmulatedSession) -> Result<Self, Failure> {
         let header = header(setup, seed, session.projector())?;
-        // The wires of the band are at rest when they are put beside, as all wires are at the start alone.
+        // Wires of the band are at rest when they are added, as all wires are at the start alone.
         if session.now().as_micros() == 0 {
             session.display().compare(setup, &header, false)?;
         }
@@ -40,12 +40,12 @@ impl Shown {
         })
     }
 
-    /// What stays as it is, as JSON.
+    /// Head of the pictures, as JSON.
     pub fn head(&self) -> Result<String, Failure> {
         json(&self.head)
     }
 
-    /// Takes what happened.
+    /// Takes events for the next picture.
     pub fn add(&mut self, events: &[Event], dropped: u64) {
         self.dropped += dropped;
         if self.waiting.len() >= MOST {
@@ -56,7 +56,7 @@ impl Shown {
         self.waiting.extend_from_slice(events);
     }
 
-    /// What happened since the last picture and how things are now, as JSON.
+    /// Picture of the events since the last one and of the state now, as JSON.
     pub fn picture(&mut self, session: &EmulatedSession) -> Result<String, Failure> {
         let now = session.now();
         let (_, recorder, look) = session.look();

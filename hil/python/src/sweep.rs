@@ -16,7 +16,7 @@ use crate::setup::Setup;
 
 struct State {
     work: Work,
-    /// The file, until the sweep is over.
+    /// The table, until the sweep is over.
     table: Option<Growing>,
 }
 

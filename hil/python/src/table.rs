@@ -1,4 +1,4 @@
-//! Tables as columns: how they cross to Python, and how they go on to whatever reads Arrow.
+//! Tables as columns: their way to Python, and on to readers of Arrow.
 
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl From<Vec<String>> for Values {
 pub struct Table(Vec<(&'static str, Values)>);
 
 impl Table {
-    /// The same with a column of these rows.
+    /// Adds a column of these rows.
     pub fn with<R, T>(mut self, name: &'static str, rows: &[R], value: impl Fn(&R) -> T) -> Self
     where
         Vec<T>: Into<Values>,

@@ -1,4 +1,4 @@
-//! What happened, as tables: one per kind of event, with the columns that Python sees.
+//! Events as tables: one per kind of event, with the columns that Python sees.
 
 use palpate_core::schedule::Entry;
 use palpate_records::margin::Margin;
@@ -9,7 +9,7 @@ use palpate_records::trace::{Event, FeltAt, Header, event};
 
 use crate::table::Table;
 
-/// What of a run its tables need beside the events.
+/// Facts of a run that its tables need besides the events.
 #[derive(Clone, Debug)]
 pub struct About {
     /// Board and channel of each wire.
@@ -18,7 +18,7 @@ pub struct About {
 }
 
 impl About {
-    /// Of a run.
+    /// Facts of a run.
     pub fn new(header: &Header) -> Self {
         Self {
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
@@ -32,7 +32,7 @@ fn milli(value: impl Into<f64>) -> f64 {
     value.into() * 1e-3
 }
 
-/// The table of this name; none where there is no such.
+/// Table of this name; `None` for an unknown name.
 pub fn of(name: &str, events: &[Event], about: &About) -> Option<Table> {
     Some(match name {
         "frames" => frames(events),
@@ -79,7 +79,7 @@ fn truth(events: &[Event]) -> Table {
         .with("force_n", &rows, |r| milli(r.force_mn))
 }
 
-/// What the wires were told.
+/// Stimuli of the wires: requested, and applied by the guard.
 pub fn stimuli(events: &[Event], about: &About) -> Table {
     let rows: Vec<&Entry> = each(events).collect();
     let wire = |output: (u8, u8)| about.outputs.iter().position(|o| *o == output);
@@ -142,7 +142,7 @@ fn temperatures(events: &[Event]) -> Table {
     for event in events {
         match event {
             Event::Wire(now) => rows.push((now.t_us, now.wire, milli(now.milli_c), f64::NAN)),
-            // The skin under a wire is looked at with the wire.
+            // The skin under a wire is sampled with the wire.
             Event::Skin(now) => {
                 let mut same = rows.iter_mut().rev().take_while(|r| r.0 == now.t_us);
                 match same.find(|r| r.1 == now.wire) {
@@ -175,7 +175,7 @@ fn notes(events: &[Event]) -> Table {
         .with("text", &rows, |r| r.1.clone())
 }
 
-/// The worst of a run beside its limits.
+/// The worst values of a run, and their limits.
 pub fn margins(rows: &[Margin]) -> Table {
     Table::default()
         .with("name", rows, |m| m.of.name().to_owned())
@@ -196,7 +196,7 @@ pub fn warmth(rows: &[Warmth]) -> Table {
         .with("mean_c", rows, |w| w.mean_c)
 }
 
-/// What every taxel read, frame by frame; its modules by these numbers, where they are another's.
+/// Readings of every taxel, frame by frame. `numbers` gives the modules' numbers where they are another's.
 pub fn taxels(readings: Option<&Readings>, numbers: &[u16]) -> Table {
     let modules = readings.map_or(&[][..], Readings::modules);
     let places: Vec<(u16, u16)> = (0u16..)

@@ -1,4 +1,4 @@
-//! Activations from outside in place of a scene's illusion: what learns or tries out renderers sets them.
+//! Activations from outside in place of a scene's illusion: for programs that learn or try out renderers.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -11,20 +11,20 @@ use palpate_files::Setup;
 use crate::failure::Failure;
 use crate::{loops, plan};
 
-/// The activation of every wire for whatever contact is due, until it is changed. Clones are the same activations.
+/// Activation of every wire for each contact that is due, until it is changed. Clones are the same activations.
 #[derive(Clone, Debug)]
 pub struct Activations {
     held: Arc<Mutex<Box<[f32]>>>,
-    /// Of every wire its pulses, where those are not the stimulus's.
+    /// Pulses of each wire at an onset; `None` where each lasts as long as its stimulus.
     pulses: Arc<Mutex<Option<Box<[u8]>>>>,
     prescale: Prescale,
     most: u8,
 }
 
 impl Activations {
-    /// None for so many wires, whose stimuli last so long.
+    /// Zero activations of `wires` wires whose stimuli last `duration`.
     fn new(wires: usize, prescale: Prescale, duration: Duration) -> Self {
-        // A pulse whose first half is in the stimulus is there.
+        // A pulse whose first half lies within the stimulus counts.
         let halves = duration.as_micros() * 2000 / prescale.period_ns();
         Self {
             held: Arc::new(Mutex::new(vec![0.0; wires].into())),
@@ -47,7 +47,7 @@ impl Activations {
         self.most
     }
 
-    /// Lets each wire pulse so often from the next onset on, once per PWM period; `None`: for as long as a stimulus lasts.
+    /// Sets each wire's pulses from the next onset on, one per PWM period; `None`: as many as a stimulus lasts.
     ///
     /// # Errors
     /// Another number of wires, or pulses outside 1 to [`Self::most_pulses`]; nothing has changed then.
@@ -101,10 +101,10 @@ impl Illusion for Activations {
     }
 }
 
-/// A setup's loop whose activations come from outside. Everything after them is as ever: drive, guard, chips.
+/// A setup's loop whose activations come from outside. Drive, guard and chips after them are the setup's own.
 ///
 /// # Errors
-/// As [`crate::build()`]; a scene whose pulses no illusion chooses.
+/// Errors of [`crate::build()`]; [`Failure::File`] for a scene whose illusion chooses pulses by itself.
 pub(crate) fn build(
     setup: &Setup,
     seed: u64,

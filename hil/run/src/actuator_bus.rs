@@ -17,14 +17,14 @@ use crate::place::Place;
 use crate::plan;
 use crate::script::{FaultReport, Script};
 
-/// The chips of one bus and what is done to them.
+/// The chips of one bus, and the faults of the bus.
 pub(crate) struct ActuatorBus {
     rack: Rack,
     i2c: Shared<I2cHandle>,
-    /// The faults of the bus and its boards; those of wires are the displays'.
+    /// Faults of the bus and its boards; the displays have those of wires.
     script: Script,
     drive: Drive,
-    /// Its number, and the numbers of its boards.
+    /// Number of the bus on the bench, and the numbers of its boards.
     place: Place,
 }
 
@@ -66,7 +66,7 @@ impl ActuatorBus {
         buses
     }
 
-    /// Whether it carries a display's boards.
+    /// Tells whether the display at `place` has its boards on this bus.
     pub(crate) fn carries(&self, place: &Place) -> bool {
         self.place.bus == place.bus
     }
@@ -106,17 +106,17 @@ impl ActuatorBus {
         self.script.step(now, last, &mut bench, events);
     }
 
-    /// When the next fault begins or ends.
+    /// Time at which the next fault begins or ends.
     pub(crate) fn next_fault(&self) -> Instant {
         self.script.next()
     }
 
-    /// What became of its faults.
+    /// Reports of the bus's faults so far.
     pub(crate) fn faults(&self) -> Vec<FaultReport> {
         self.script.report()
     }
 
-    /// What crossed it, if that was kept.
+    /// Transfers that crossed the bus; empty where no log is kept.
     pub(crate) fn transfers(&self) -> Vec<Transfer> {
         boards::transfers(&self.rack.bus(), self.place.bus)
     }

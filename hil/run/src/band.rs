@@ -1,9 +1,9 @@
-//! How far what was felt reaches over what is not measured: wires taut or loose, the gain from length to skin, and the
-//! person. Twelve corners; `docs/felt.md` says where their ends come from.
+//! Spread of the felt level and the felt error over quantities that nobody measured: wires taut or loose, the gain from
+//! length to skin, and the person. Twelve corners; `docs/felt.md` gives the source of their ends.
 //!
-//! Stress and latent heat change temperatures, so each preset has wires of its own, through which the same currents flow.
-//! Gain and thresholds shift levels alone: both channels are linear, and no wire is cut by a threshold of its own. What
-//! parts from the skin does so as it would at the headline's gain.
+//! Stress and latent heat change temperatures, so each preset has wires of its own, through which the same currents
+//! flow. Gain and thresholds only shift levels: both channels are linear, and no wire has a threshold of its own. A
+//! loose wire leaves the skin as it does at the headline's gain.
 
 use palpate_core::physics::{Bow, WireParameters};
 use palpate_emulators::person::channels::{Felt, Levels, Person};
@@ -23,30 +23,31 @@ const GAINS: [f64; 2] = [2.4, 9.0];
 /// The persons that ship.
 const PERSONS: [&str; 3] = ["dull", "sensitive", "typical"];
 
-/// Twelve corners of what is not measured, onset by onset.
+/// Twelve corners of quantities that nobody measured, onset by onset.
 pub(crate) struct Band {
     corners: Vec<Corner>,
-    /// Whether every onset is kept, for [`Self::finish`].
+    /// `true` where every onset is kept, for [`Self::finish`].
     whole: bool,
     /// Least and most level of the newest onset, dB.
     newest_db: Option<[f64; 2]>,
 }
 
-/// One corner of the unknowns.
+/// One corner: a preset, a gain and a person.
 struct Corner {
     preset: &'static str,
     gain: f64,
     person: String,
-    /// Which wires beside feel like the preset; none where the bench's own do.
+    /// Index among the wires that are emulated beside the bench's; `None` where the bench's own have the preset's
+    /// parameters.
     other: Option<usize>,
-    /// What both levels differ by from the headline's, dB.
+    /// Difference of both levels from the headline's, dB.
     shift: Levels,
     path: FeltPath,
 }
 
 impl Band {
-    /// The corners for a setup, whose display gets the wires that it lacks. Of a run that is not `whole` the newest onset alone
-    /// is known.
+    /// The corners for a setup. Wires of a preset that differs from the bench's are emulated beside the display's own.
+    /// A run that is not `whole` keeps the newest onset alone.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
@@ -97,8 +98,8 @@ impl Band {
         self.newest_db
     }
 
-    /// Adds an onset that is over: what its event is for what was met, and what was, by the headline's wires and by those
-    /// beside.
+    /// Adds an onset that is over. `event` makes the onset's event from a sensation; `met` is the sensation by the
+    /// headline's wires, `others` those by the wires beside.
     pub fn add(
         &mut self,
         event: impl Fn(Option<&Felt>) -> Event,
@@ -128,7 +129,7 @@ impl Band {
         }
     }
 
-    /// The band of a run; `known` where it has a true path. `None` where no contact was inside the display.
+    /// Band of a run; `known` where it has a true path. `None` where no contact was inside the display.
     pub fn finish(&self, known: bool) -> Option<FeltBand> {
         let corners = self.corners.iter().map(|corner| {
             let [energy, amplitude] = corner
@@ -156,7 +157,7 @@ impl Band {
     }
 }
 
-/// What a gain so many times as large and another person's thresholds add to both levels, dB.
+/// Shift of both levels by a gain `gain` times as large and another person's thresholds, dB.
 fn shift(gain: f64, headline: &Person, person: &Person) -> Levels {
     let decibels = |ratio: f64| 20.0 * libm::log10(gain * ratio);
     Levels {
@@ -165,7 +166,7 @@ fn shift(gain: f64, headline: &Person, person: &Person) -> Levels {
     }
 }
 
-/// Least and most.
+/// Least and largest of the values; `None` for none.
 fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     values.fold(None, |ends, value| {
         let [low, high] = ends.unwrap_or([value; 2]);
@@ -173,27 +174,27 @@ fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// What was felt over all corners of what is not measured.
+/// Felt levels and errors over all twelve corners.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeltBand {
     /// Least and most of the corners' median levels over threshold, dB.
     pub level_db: [f64; 2],
     /// Least and most error of the corners by either centroid, RMSE, mm; null where no true path is known.
     pub error_mm: Option<[f64; 2]>,
-    /// Every corner.
+    /// Every corner's figures.
     pub corners: Vec<FeltCorner>,
 }
 
-/// One corner.
+/// Figures of one corner.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct FeltCorner {
-    /// `taut` or `loose`, on the bench's own geometry.
+    /// Preset of the wires: `taut` or `loose`, on the bench's own geometry.
     pub preset: &'static str,
     /// Displacement of the skin over change of the wire's length, 1.
     pub gain: f64,
     pub person: String,
-    /// Median over the onsets with a contact inside the display.
+    /// Median level over the onsets with a contact inside the display, dB.
     pub level_db: f64,
     pub error_energy_mm: Option<PathError>,
     pub error_amplitude_mm: Option<PathError>,

@@ -10,30 +10,30 @@ use serde::Serialize;
 /// The slowest, median and fastest of several rates, Hz.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
-    /// Slowest.
+    /// Slowest rate.
     pub min: f64,
-    /// Median.
+    /// Median rate.
     pub median: f64,
-    /// Fastest.
+    /// Fastest rate.
     pub max: f64,
 }
 
 /// A sensor board as the loop saw it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoardReport {
-    /// Its module, zero-based.
+    /// Module of the board in the skin, zero-based.
     pub module: usize,
     /// The module's name.
     pub name: String,
-    /// Its bus; `None` for a recording.
+    /// Sensor bus of the module; `None` for a recording.
     pub bus: Option<u8>,
-    /// Its number on the bus.
+    /// Number of the board on its bus; `None` for a recording.
     pub board: Option<u8>,
     /// Readings a second over its taxels.
     pub rate_hz: Spread,
     /// Readings received.
     pub readings: u64,
-    /// Readings missing from scans of which something came.
+    /// Readings missing from scans that arrived in part.
     pub lost: u64,
     /// Share of readings missing, 0 to 1.
     pub loss: f64,
@@ -42,7 +42,7 @@ pub struct BoardReport {
 /// A sensor bus as its emulator knows it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BusReport {
-    /// Its number.
+    /// Number of the bus, zero-based.
     pub bus: usize,
     /// Share of the time in which it was not idle, 0 to 1.
     pub load: f64,
@@ -57,7 +57,7 @@ pub struct BusReport {
 }
 
 impl BusReport {
-    /// In a line.
+    /// Words of the report, in a line.
     pub fn words(&self) -> String {
         format!(
             "bus {:<4} {:>5.1} % load, {:.0} frames/s, {} errors, {} overflows",
@@ -70,23 +70,23 @@ impl BusReport {
     }
 }
 
-/// How late the loop's turns began, microseconds after they were due.
+/// Lateness of the loop's turns: how long after their due time they began, microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Pacing {
     /// Turns.
     pub turns: u64,
-    /// Half of them at most this late, rounded up to a power of two.
+    /// Lateness that half of the turns did not exceed, rounded up to a power of two.
     pub median_us: u64,
-    /// 99 of 100 at most this late, rounded up to a power of two.
+    /// Lateness that 99 of 100 turns did not exceed, rounded up to a power of two.
     pub p99_us: u64,
-    /// The latest.
+    /// Lateness of the latest turn.
     pub worst_us: u64,
-    /// Whether the loop had real-time priority.
+    /// `true` where the loop had real-time priority.
     pub realtime: bool,
 }
 
 impl Pacing {
-    /// In a line.
+    /// Words of the lateness, in a line.
     #[must_use]
     pub fn words(&self) -> String {
         let priority = if self.realtime {
@@ -101,10 +101,10 @@ impl Pacing {
     }
 }
 
-/// What came over an interface.
+/// Frames and losses of a CAN interface in a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CanReport {
-    /// Its name when the run began.
+    /// Name of the interface when the run began.
     pub interface: String,
     /// Data frames received.
     pub frames: u64,
@@ -121,7 +121,7 @@ pub struct CanReport {
 }
 
 impl CanReport {
-    /// In a line.
+    /// Words of the report, in a line.
     #[must_use]
     pub fn words(&self) -> String {
         format!(
@@ -139,7 +139,7 @@ impl CanReport {
     }
 }
 
-/// Every board of the loop.
+/// Report of every board of the loop.
 pub fn boards(projector: &Projector, lost_of: impl Fn(usize) -> u64) -> Vec<BoardReport> {
     let (layout, monitor) = (projector.layout(), projector.monitor());
     let report = |(module, m): (usize, &palpate_core::skin::Module)| {
@@ -169,7 +169,7 @@ pub fn boards(projector: &Projector, lost_of: impl Fn(usize) -> u64) -> Vec<Boar
     layout.modules().iter().enumerate().map(report).collect()
 }
 
-/// Every bus of an emulated skin.
+/// Report of every bus of an emulated skin.
 pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
     let report = |(number, bus): (usize, &SkinBus)| {
         let (segment, statistics) = (bus.segment(), bus.segment().statistics());
@@ -190,7 +190,7 @@ pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
     buses.iter().enumerate().map(report).collect()
 }
 
-/// What crossed the boards' bus of this number, if that was kept.
+/// Transfers that crossed the boards' bus of this number; empty where no log is kept.
 pub fn transfers(i2c: &I2cHandle, bus: u8) -> Vec<Transfer> {
     // Refused only from inside another look at the bus.
     let log = i2c.with(|bus| bus.take_log()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a wire of some make would be felt like: one wire on a finger, the same burst again and again.
+//! Strength, heat and limits of a wire design: one wire on a finger, the same burst again and again.
 //!
 //! A point of the design space is geometry, stress and drive. Its mean power is given, and the width of its pulses follows:
 //! so points compare at equal heat. The wire is the exact model of every run, the person is every run's.
@@ -11,15 +11,15 @@ use palpate_emulators::time::Nanos;
 
 /// A period of the PWM chip at PRE_SCALE 30, ns: pulses of a burst are as far apart.
 const PERIOD_NS: u64 = 5_079_040;
-/// The slowest oscillator of a chip over the nominal one, as the guard takes it: pulses are so much longer there.
+/// Ratio of the slowest oscillator of a chip to the nominal one, by the guard: pulses are longer by it.
 const SLOWEST: f64 = 25.0 / 23.0;
-/// What is felt is measured over the last second; before that the person listens for a second, so that the leaky energy
-/// has forgotten that there was nothing.
+/// Seconds of the run, the last ones, in which the person feels the bursts. The second half is measured: by then the
+/// leaky energy has forgotten the silence before.
 const LISTENING_S: f64 = 2.0;
-/// Power of the diameter with which the heat transfer to air goes: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
+/// Exponent of the diameter in the heat transfer to air: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
 const AIR_POWER: f64 = 3.0 * 0.058 - 1.0;
 
-/// What a wire is driven with, over and over.
+/// Pulses that a wire is driven with, burst after burst.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PulsePattern {
     /// Current of a pulse, A.
@@ -40,10 +40,10 @@ impl PulsePattern {
     }
 }
 
-/// What came of a point.
+/// Strength, temperatures and limits of a point of the design space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DesignOutcome {
-    /// Between the terminals, Ohm.
+    /// Resistance between the terminals, Ohm.
     pub resistance_ohm: f64,
     /// Width of a pulse, s.
     pub width_s: f64,
@@ -53,13 +53,13 @@ pub struct DesignOutcome {
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
     pub skin_c: [f64; 2],
-    /// Why it is no design: the first row of the limit table that forbids it, or `bow` where the wire shortens by more than
-    /// straightens its bow, which the bow's gain does not know.
+    /// Reason that excludes the design: the first row of the limit table that forbids it, or `bow` where the wire
+    /// shortens by more than straightens its bow, beyond the bow's gain.
     pub excluded: Option<&'static str>,
 }
 
-/// The same wire made thicker or longer. Resistivity and the resistance of crimps and leads stay; heat to still air goes
-/// as a cylinder's (Morgan).
+/// Resizes a wire to another diameter and length. Resistivity and the resistance of crimps and leads stay; heat to
+/// still air goes as a cylinder's (Morgan).
 pub fn resized(wire: &WireParameters, diameter_m: f64, length_m: f64) -> WireParameters {
     let over = |d: f64, l: f64| l / (d * d);
     let inside = wire.resistance_ohm * wire.wire_share * over(diameter_m, length_m)
@@ -151,7 +151,7 @@ pub fn outcome(
     Ok(outcome)
 }
 
-/// Bursts from `from` on, for `seconds` or one burst more: when they end, and by how much the strain changed meanwhile.
+/// Drives bursts from `from` on, for `seconds` or one burst more. Returns the end, and the change of strain meanwhile.
 fn drive(
     wire: &mut Wire,
     pattern: &PulsePattern,
@@ -202,14 +202,14 @@ fn first(rows: &[(&'static str, bool)]) -> Option<&'static str> {
     rows.iter().find(|row| row.1).map(|row| row.0)
 }
 
-/// By how much a wire is longer than the straight line between its ends: pi^2 s^2 / 4 L.
+/// Length of a wire beyond the straight line between its ends, m: pi^2 s^2 / 4 L.
 fn slack_m(wire: &WireParameters) -> f64 {
     let sag = wire.mount.sag_m;
     core::f64::consts::PI * core::f64::consts::PI * sag * sag / (4.0 * wire.length_m)
 }
 
-/// Which points no other beats: as strong or stronger at tissue as cool or cooler and as small a current or smaller. Points
-/// that a limit forbids are left out.
+/// Marks the points that no other beats: as strong or stronger at tissue as cool or cooler and as small a current or
+/// smaller. Points that a limit forbids are left out.
 pub fn undominated(points: &[(PulsePattern, DesignOutcome)]) -> Vec<bool> {
     let figures = |(pattern, of): &(PulsePattern, DesignOutcome)| {
         [of.levels.db(), -of.skin_c[1], -pattern.amps]

@@ -1,4 +1,4 @@
-//! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
+//! The display end of a run: boards behind a bus, the line that cuts them, and the hardware on their outputs.
 
 mod config;
 
@@ -37,14 +37,14 @@ use crate::skin_end::FaultySkin;
 use crate::unit::{EmulatedDriver, NoLine, UnitReport};
 use config::{config, no_bench};
 
-/// The finger is looked at no less often than this, even where no stimulus comes.
+/// Longest time between two looks at the finger, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
-/// So many temperatures are looked through at once for the warmest.
+/// Temperature samples of a run that keeps a summary alone, before all but the warmest are dropped.
 const LOOKS: usize = 1 << 12;
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
 const I2C_LOG: usize = 1 << 20;
 
-/// The display end of a session. What has an empty default is what only emulated hardware can do.
+/// The display end of a session. Methods with an empty default concern emulated hardware alone.
 pub trait DisplayEnd {
     /// The boards, and the line that cuts them.
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable);
@@ -54,17 +54,17 @@ pub trait DisplayEnd {
         None
     }
 
-    /// Does what is due before a call of the loop.
+    /// Prepares the display for a call of the loop.
     fn before_call(&mut self, now: Instant, projector: &mut Projector, events: &mut Vec<Event>) {
         let _ = (now, projector, events);
     }
 
-    /// Does what is due after a call of the loop, whose newest reading was `heard` then.
+    /// Finishes a call of the loop, whose newest reading was `heard` then.
     fn after_call(&mut self, now: Instant, heard: Option<Instant>) {
         let _ = (now, heard);
     }
 
-    /// What updates came to on the buses of the boards.
+    /// Counts of updates and channels that were written to the boards, and of those that had no need.
     fn traffic(&mut self) -> Traffic {
         self.parts().0.traffic()
     }
@@ -88,12 +88,12 @@ pub trait DisplayEnd {
         let _ = (now, last, skin, events);
     }
 
-    /// When the next scripted fault begins or ends.
+    /// Time at which the next scripted fault begins or ends.
     fn next_fault(&self) -> Instant {
         Instant::FAR_FUTURE
     }
 
-    /// The wires as they stand now, where something measures them; with what they came to so far, if that is wanted.
+    /// State of the wires, where something measures them; with totals so far, if they are wanted.
     fn standing(&self, with_totals: bool) -> Option<Standing> {
         let _ = with_totals;
         None
@@ -109,7 +109,7 @@ pub trait DisplayEnd {
         error.to_string()
     }
 
-    /// Keeps a stop of the guard until a person has looked; says what ends the run.
+    /// Keeps a stop of the guard until a person has looked. Returns the failure that ends the run.
     fn keep_stopped(&mut self, cause: &str) -> Failure {
         Failure::Guard(cause.to_owned())
     }
@@ -120,25 +120,25 @@ pub struct EmulatedDisplay {
     display: WornDisplay,
     i2c: Shared<I2cHandle>,
     driver: EmulatedDriver,
-    /// What drives the boards in place of their driver where the guard only looks on.
+    /// Writes the requested stimuli to the boards in place of their driver, where the guard only observes.
     writer: Option<RegisterWriter>,
     script: Script,
-    /// Where it stands among the displays of the bench.
+    /// Place of the display among those of the bench.
     place: Place,
     drive: Drive,
     prescale: Prescale,
     /// The onset whose stimulus is still felt.
     pending: Option<Onset>,
-    /// What one wire at full drive gives to feel.
+    /// Energy of one wire at full drive, as the person feels it.
     full: FullDrive,
-    /// The finger is looked at again then.
+    /// Time of the next look at the finger.
     next_look: Instant,
     /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
     summary: bool,
-    /// What would be felt in other corners, where that is shown.
+    /// Felt levels in the other corners of [`Band`], where a view or report shows them.
     band: Option<Band>,
-    /// What flowed.
+    /// Currents of all wires so far.
     currents: Currents,
     /// A Peltier module under the fingertip, where the bench has one.
     heat: Option<EmulatedHeat>,
@@ -154,10 +154,10 @@ impl EmulatedDisplay {
         Self::at(setup, (whole, None), projector, seed)
     }
 
-    /// The same at its place among several displays of a bench, on the bus that carries its boards.
+    /// A display at its place among several of a bench, on the bus that carries its boards.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Errors of [`Self::new`].
     pub(crate) fn at(
         setup: &Setup,
         (place, bus): (Place, Option<&ActuatorBus>),
@@ -235,7 +235,7 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// Has all corners felt beside: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
+    /// Emulates all corners too: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
@@ -244,12 +244,13 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
+    /// Felt levels and errors over all corners, where they are compared and a contact was inside the display. `known`
+    /// where the true path is known.
     pub fn band(&self, known: bool) -> Option<FeltBand> {
         self.band.as_ref()?.finish(known)
     }
 
-    /// What crossed its bus, if that was kept and no other display is on it.
+    /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.
     pub fn transfers(&self) -> Vec<Transfer> {
         match self.place.name {
             None => boards::transfers(&self.display.bus(), self.place.bus),
@@ -273,7 +274,7 @@ impl EmulatedDisplay {
         )
     }
 
-    /// What became of the scene's faults.
+    /// Reports of the scene's faults on this display.
     pub fn faults(&self) -> Vec<FaultReport> {
         self.script.report()
     }
@@ -325,7 +326,7 @@ impl EmulatedDisplay {
         self.pass(until, events)
     }
 
-    /// What came of the Peltier module, where the bench has one.
+    /// Report of the Peltier module, where the bench has one.
     pub fn heat(&self) -> Option<HeatReport> {
         self.heat.as_ref().map(EmulatedHeat::report)
     }
@@ -337,7 +338,7 @@ impl EmulatedDisplay {
             .map_or_else(Vec::new, EmulatedHeat::margins)
     }
 
-    /// What came of the bench's driver unit, where it has one.
+    /// Report of the bench's driver unit, where it has one.
     pub fn unit(&mut self) -> Option<UnitReport> {
         self.driver.unit().map(|unit| unit.report())
     }
@@ -351,7 +352,7 @@ impl EmulatedDisplay {
         advanced.map_err(|e| Failure::Device(e.to_string()))
     }
 
-    /// Scores what was felt of the newest onset until now; its successor scores it otherwise.
+    /// Scores the newest onset by its sensation until now; otherwise its successor scores it.
     pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
         let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
@@ -435,7 +436,7 @@ impl DisplayEnd for EmulatedDisplay {
         self.band.as_ref().and_then(Band::newest_db)
     }
 
-    /// With the board's number on the bench.
+    /// Explains an error with the board's number on the bench.
     fn explain(&self, error: &DriverError) -> String {
         let of = |own: Board| {
             let board = self.place.boards.get(usize::from(own.0));

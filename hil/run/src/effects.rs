@@ -1,4 +1,4 @@
-//! What scripted faults are in the terms of the emulated hardware and its fault layers.
+//! Scripted faults in the terms of the emulated hardware and its fault layers.
 
 use palpate_core::codec::uskin;
 use palpate_core::skin::Layout;
@@ -17,7 +17,7 @@ use palpate_files::{Drive, Fault, FaultKind};
 use crate::place::Place;
 use crate::unit::RemoteUnit;
 
-/// Of a converter's code.
+/// Highest bit of a converter's code of 12 bits.
 const HIGHEST_BIT: u8 = 11;
 
 /// The hardware that faults are done to.
@@ -32,13 +32,13 @@ pub struct Faultable<'a> {
 pub struct FaultyDisplay<'a> {
     /// The actuators' fault layer.
     pub i2c: &'a Shared<I2cHandle>,
-    /// Its chips.
+    /// The I2C bus with the display's chips.
     pub chips: I2cHandle,
     /// Amplifiers and wires; `None` where their faults are done elsewhere.
     pub worn: Option<&'a mut WornDisplay>,
     /// The chips' clock while nothing is wrong.
     pub drive: Drive,
-    /// Its boards and wires among those of the bench, by which faults name them.
+    /// Boards and wires of the display among those of the bench, by which faults name them.
     pub place: &'a Place,
     /// The driver unit and its network, where the bench has one.
     pub unit: Option<&'a mut RemoteUnit>,
@@ -46,7 +46,7 @@ pub struct FaultyDisplay<'a> {
     pub heat: Option<PeltierHandle>,
 }
 
-/// What a fault does to identifiers.
+/// Rules of the CAN fault layer for a fault, by identifier.
 pub(super) fn rules(layout: &Layout, fault: &Fault) -> Vec<Rule> {
     let module = fault.module.and_then(|m| layout.modules().get(m));
     let Some((module, wires)) = module.and_then(|m| Some((m, m.wiring()?))) else {
@@ -93,7 +93,7 @@ pub(super) const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
     }
 }
 
-/// Does a fault to the Peltier module of the display, or mends it; whether it has one.
+/// Does a fault to the display's Peltier module, or mends it. Returns `true` where the fault is done now.
 pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool) -> bool {
     let module = bench.display.as_mut().and_then(|d| d.heat.as_ref());
     let Some(module) = module else {
@@ -143,7 +143,7 @@ pub(super) fn on_converter(bench: &Faultable<'_>, fault: &Fault, now: Instant, b
     });
 }
 
-/// How much a kind has hit so far, where a layer counts it.
+/// Frames, transfers or chips that a fault of this kind has hit so far; 0 where no layer counts them.
 pub(super) fn counter(fault: &Fault, bench: &Faultable<'_>) -> u64 {
     if let Some(kind) = i2c_kind(fault.kind) {
         let display = bench.display.as_ref();
@@ -166,7 +166,7 @@ pub(super) fn counter(fault: &Fault, bench: &Faultable<'_>) -> u64 {
     }
 }
 
-/// Does something to a chip of the display.
+/// Works on a chip of the display.
 pub(super) fn on_chip(
     bench: &Faultable<'_>,
     chip: Option<usize>,

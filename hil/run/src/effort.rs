@@ -1,4 +1,4 @@
-//! What a run did and what it could leave out, in counts and in time.
+//! Work of a run and work that it left out, in counts and in time.
 
 use core::time::Duration;
 
@@ -9,12 +9,12 @@ use palpate_core::statistics::quantile;
 
 use crate::recorder::Recorder;
 
-/// What a frame asked of the compression, the cheapest first.
+/// Work that a frame gave the compression, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
-    /// Every taxel as in the frame before: nothing to do.
+    /// Every taxel is as in the frame before: nothing to do.
     Repeated,
-    /// No taxel in contact.
+    /// No taxel is in contact.
     Untouched,
     /// Contacts passed through, or one weighted mean a module.
     Direct,
@@ -26,7 +26,7 @@ impl FrameKind {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Repeated, Self::Untouched, Self::Direct, Self::Solved];
 
-    /// What frames between two counts asked for.
+    /// Kind of the frames between two counts.
     fn between(before: &Work, after: &Work) -> Self {
         if after.solves > before.solves {
             Self::Solved
@@ -43,12 +43,12 @@ impl FrameKind {
 /// Reads a clock that counts from some moment: a session has none of its own.
 pub type Stopwatch = fn() -> Duration;
 
-/// What a frame cost.
+/// Computing time of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameCost {
-    /// What it asked for.
+    /// Kind of the frame's work.
     pub kind: FrameKind,
-    /// Computing time, microseconds: everything from the bus to the contacts and what was due then.
+    /// Computing time, microseconds: everything from the bus to the contacts and the work that was due then.
     pub us: f32,
 }
 
@@ -56,19 +56,19 @@ pub struct FrameCost {
 #[derive(Debug)]
 pub struct FrameTimes {
     stopwatch: Option<Stopwatch>,
-    /// Since the last frame that was complete.
+    /// Computing time since the last complete frame.
     spent: Duration,
-    /// As it stood then.
+    /// Compression work at the last complete frame.
     work: Work,
     costs: Vec<FrameCost>,
-    /// Whether, of many frames, every second, fourth and so on is enough.
+    /// `true` to thin the costs of a long run: beyond a bound, every second, fourth and so on is kept.
     pub thin: bool,
-    /// Frames from one that is kept to the next, and since the last.
+    /// Frames from one whose cost is kept to the next, and frames since the last kept one.
     every: u64,
     passed: u64,
 }
 
-/// So many costs tell the time of frames.
+/// Costs at which a run that thins drops every second one.
 const TELLING: usize = 1 << 16;
 
 impl FrameTimes {
@@ -85,12 +85,13 @@ impl FrameTimes {
         }
     }
 
-    /// Before a call of the loop.
+    /// Reads the stopwatch before a call of the loop.
     pub fn begin(&self) -> Duration {
         self.stopwatch.map_or(Duration::ZERO, |read| read())
     }
 
-    /// A call of the loop that began then and completed so many frames: they share the time since the last one.
+    /// Adds a call of the loop that began at `begun` and completed so many frames: they share the time since the last
+    /// one.
     pub fn add(&mut self, begun: Duration, frames: u32, work: &Work) {
         let Some(read) = self.stopwatch else {
             return;
@@ -128,9 +129,9 @@ impl FrameTimes {
 /// The work of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Effort {
-    /// Of the compression.
+    /// Work of the compression.
     pub compression: Work,
-    /// Of the display's driver.
+    /// Traffic of the display's driver.
     pub traffic: Traffic,
     /// Onsets, and how many of them had no contact to project.
     pub onsets: u64,
@@ -142,14 +143,15 @@ pub struct Effort {
     pub wires: usize,
     /// Wires of which no stimulus was ever asked.
     pub cold_wires: usize,
-    /// Whether a first pass looked for intensity levels.
+    /// `true` where a first pass looked for intensity levels.
     pub calibrated: bool,
-    /// Time of frames by kind, microseconds each, everything from the bus to the contacts and what was due then.
+    /// Time of frames by kind, microseconds each, everything from the bus to the contacts and the work that was due
+    /// then.
     times: [Vec<f32>; 4],
 }
 
 impl Effort {
-    /// Takes in what the loop did in all.
+    /// Takes in the loop's totals.
     pub fn finish(&mut self, projector: &Projector, recorder: &Recorder) {
         self.compression = projector.work();
         self.wires = projector.display().wires().len();
@@ -158,7 +160,7 @@ impl Effort {
         self.cold_wires = self.wires.saturating_sub(recorder.warmed.len());
     }
 
-    /// Of several loops together.
+    /// Sums the effort of several loops.
     pub(crate) fn sum<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
         let mut sum = Self::default();
         for part in parts {
@@ -177,7 +179,7 @@ impl Effort {
         sum
     }
 
-    /// Of what frames cost, and what the driver did.
+    /// Effort of a run from its frames' costs and its driver's traffic.
     pub fn of(costs: &[FrameCost], traffic: Traffic) -> Self {
         let mut effort = Self {
             traffic,

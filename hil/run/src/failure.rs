@@ -1,4 +1,4 @@
-//! How a command ends when it does not succeed: a message and an exit status.
+//! Failures that end a command: a message and an exit status.
 
 use std::io;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use palpate_files::{FileError, unnumbered};
 use palpate_records::damage::Damage;
 
-/// Why a command failed; the kinds are the exit statuses of the command line. Its words have no number of the system's
+/// Failures of a command; the kinds are the exit statuses of the command line. The words have no number of the system's
 /// errors, whatever they quote.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -33,14 +33,14 @@ pub enum Failure {
     Write {
         /// The file or stream.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         #[source]
         error: io::Error,
     },
 }
 
 impl Failure {
-    /// Makes what the system said of a file or stream the failure to write it.
+    /// Makes a system's error on a file or stream the failure to write it.
     pub fn written(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
         move |error| Self::Write {
             path: path.as_ref().display().to_string(),
@@ -85,7 +85,7 @@ impl Failure {
     }
 }
 
-/// Why an output could not be written, in words.
+/// Words for an output that could not be written.
 fn unwritten(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "its folder is not there".into(),
@@ -93,7 +93,7 @@ fn unwritten(error: &io::Error) -> String {
     }
 }
 
-/// The error of a file of ours, under the name that its user gave, with this damage in it.
+/// Error of a file of ours, under the name that its user gave, with this damage in it.
 pub fn damaged(path: impl Into<String>, damage: Damage) -> FileError {
     FileError {
         line: Some(damage.line),

@@ -1,4 +1,4 @@
-//! What a run samples of the display: where an onset was felt, how warm the wires are.
+//! Samples of the display in a run: the felt place of an onset, and the temperatures of wires and skin.
 
 use palpate_core::projector::Projector;
 use palpate_core::schedule::Entry;
@@ -17,7 +17,7 @@ use super::recorder::{Onset, Recorder, milli_c};
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
 
-/// What one wire at full drive gives to feel, alone and from rest: what the energy of an onset is held against.
+/// Felt energy of one wire at full drive, alone and from rest: the unit for the energy of an onset.
 pub(super) struct FullDrive {
     /// Integral of its squared filtered displacement, um2 s.
     energy: f64,
@@ -78,7 +78,7 @@ impl FullDrive {
         let requested = of(onset.entries.iter().map(requested).sum());
         let applied = of(onset.entries.iter().map(applied).sum());
         let at_full = self.energy * full as f64 / top(1.0).max(1) as f64;
-        // Rounded; what is no number is nothing.
+        // Rounded; not a number counts as zero.
         let felt = felt.map_or(0.0, |felt| 1e3 * felt.energy / at_full);
         EnergyPermille {
             requested,
@@ -88,8 +88,8 @@ impl FullDrive {
     }
 }
 
-/// What a person felt of an onset that is over. One felt place can be held against one touch only: an onset with
-/// several contacts is scored where they are known to come from a single one.
+/// Records the sensation of an onset that is over. A felt place is compared with a single touch: an onset with several
+/// contacts counts only where they are known to come from one.
 pub(super) fn feel(
     onset: Option<Onset>,
     met: Option<Felt>,
@@ -139,7 +139,7 @@ pub(super) fn feel(
     }
 }
 
-/// How warm every wire is now, and the skin under it.
+/// Records the temperature of every wire and of the skin under it.
 pub(super) fn sample_wires(
     now: Instant,
     display: &mut WornDisplay,

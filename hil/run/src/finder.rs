@@ -9,14 +9,14 @@ use palpate_files::Columns;
 
 use crate::failure::Failure;
 
-/// How contacts are looked for.
+/// Settings of a search for contacts.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// What rows are held against.
+    /// Baseline that is subtracted from rows.
     pub baseline: BaselineSettings,
-    /// What of a row is a contact.
+    /// Thresholds and compression that make contacts of a row.
     pub compression: Settings,
-    /// Whether rows that repeat the one before are left out.
+    /// `true` to leave out rows that repeat the one before.
     pub skips_repeats: bool,
 }
 
@@ -24,7 +24,7 @@ pub struct Search {
 #[derive(Debug)]
 pub struct Finder {
     layout: Layout,
-    /// The taxels that columns are of: the active ones of all modules, module after module.
+    /// Active taxels of all modules, module after module: those that the columns name.
     active: Vec<usize>,
     columns: Columns,
     reference_frames: usize,
@@ -39,7 +39,7 @@ pub struct Finder {
 }
 
 impl Finder {
-    /// For rows of these columns of a skin.
+    /// A search for contacts in rows of these columns of a skin.
     ///
     /// # Errors
     /// [`Failure::Input`] for settings that cannot be, by the options of `hil contacts`.

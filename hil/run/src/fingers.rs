@@ -9,7 +9,7 @@ use palpate_files::{HandSample, MOST_SAMPLES, Touch, check_sample};
 
 use crate::failure::Failure;
 
-/// The fingers on a skin. Clones are the same fingers.
+/// Fingers on a skin. Clones are the same fingers.
 #[derive(Clone, Debug, Default)]
 pub struct Fingers(Arc<Mutex<Log>>);
 
@@ -19,7 +19,7 @@ struct Log {
     samples: usize,
 }
 
-/// What a finger does on one module.
+/// Path of a finger on one module.
 #[derive(Debug)]
 struct Finger {
     number: usize,
@@ -75,8 +75,8 @@ impl Fingers {
         Ok(())
     }
 
-    /// The touches until `now_us`, as a scene of `length_s` seconds has them, which is no shorter. What presses then is
-    /// lifted.
+    /// Touches until `now_us`, for a scene of `length_s` seconds, which is no shorter. Fingers that press at `now_us`
+    /// are lifted.
     #[must_use]
     pub fn touches(&self, now_us: i64, length_s: f64) -> Vec<Touch> {
         let log = self.log();
@@ -92,7 +92,7 @@ impl Fingers {
         touches
     }
 
-    /// Does something with every touch, in the order in which they began.
+    /// Calls `work` with every touch, in the order in which they began.
     pub(crate) fn each(&self, mut work: impl FnMut(&Touch)) {
         let log = self.log();
         log.touches.iter().for_each(|finger| work(&finger.touch));
@@ -104,7 +104,7 @@ impl Fingers {
 }
 
 impl Finger {
-    /// Adds a sample, or puts it in the place of one of the same time; how many more there are.
+    /// Adds a sample, or replaces one of the same time. Returns the number of samples that are new.
     fn put(&mut self, sample: HandSample) -> usize {
         let samples = &mut self.touch.path.samples;
         match samples.last_mut() {

@@ -60,7 +60,7 @@ impl Summary {
         ]
     }
 
-    /// The path error beside the pitch that it is to be held against.
+    /// The path error, and the pitch to compare it with.
     fn path_words(&self) -> String {
         let error = match &self.path_error_mm {
             Some(e) => format!("{:.2} mm RMSE, {:.2} at most", e.rmse, e.max),
@@ -77,7 +77,7 @@ impl Summary {
         format!("{error}{pitch}{off}")
     }
 
-    /// The share of onsets that were felt, how strongly, and how far that reaches over what is not measured.
+    /// Share of onsets that were felt, their level, and its spread over quantities that nobody measured.
     fn felt_words(&self) -> String {
         let meant = self.onsets.meant;
         let Some(percent) = self.onsets.felt_percent() else {
@@ -132,7 +132,7 @@ impl Summary {
     }
 }
 
-/// A line without its middle, where it is wider than a terminal.
+/// Drops the middle of a line that is wider than a terminal.
 fn fitted(line: &str) -> String {
     let count = line.chars().count();
     if count <= COLUMNS {

@@ -6,7 +6,7 @@ use palpate_core::units::Point;
 use palpate_emulators::sensor::{Press, Touches};
 use palpate_emulators::time::Nanos;
 
-/// What presses on one module from now on, until it is changed. Clones are the same hand.
+/// Presses on one module from now on, until they are changed. Clones are the same hand.
 #[derive(Clone, Debug, Default)]
 pub struct Hand(Arc<Mutex<Vec<Press>>>);
 
@@ -18,14 +18,14 @@ impl Hand {
         held.extend_from_slice(presses);
     }
 
-    /// Every place that it presses.
+    /// Every place that the hand presses.
     pub(crate) fn places(&self) -> Vec<Point> {
         let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let pressing = held.iter().filter(|p| p.force_n > 0.0);
         pressing.map(|p| p.at).collect()
     }
 
-    /// Where and how hard (N) it presses, when exactly one finger does.
+    /// Place and force (N) of the only finger that presses; `None` for no finger or several.
     pub(crate) fn only(&self) -> Option<(Point, f64)> {
         let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mut pressing = held.iter().filter(|p| p.force_n > 0.0);

@@ -1,4 +1,4 @@
-//! A run on paper: what was run, on what, and the files that it goes back to.
+//! Header of a run's trace: scene, bench, seed, and the files that the run goes back to.
 
 use palpate_core::illusion::DisplayWire;
 use palpate_core::projector::Projector;
@@ -53,7 +53,7 @@ pub(crate) fn files(setup: &Setup) -> Vec<(String, &Source)> {
     own.chain(of_fingers).collect()
 }
 
-/// What was run, on what.
+/// Header of a run's trace: scene, bench, files, wires and taxels.
 ///
 /// # Errors
 /// [`Failure`] for a bench without a PWM frequency.

@@ -1,4 +1,4 @@
-//! What the fingers of a run came to, as one trace and one summary in the numbers of bench and scene.
+//! Joins the fingers of a run: one trace and one summary, in the numbers of bench and scene.
 
 use std::collections::BTreeSet;
 
@@ -25,24 +25,24 @@ use crate::{DisplayOutcome, Outcome};
 /// A finger's run, in its own numbers.
 #[derive(Debug)]
 pub struct Part {
-    /// Where its display stands on the bench.
+    /// Place of the finger's display on the bench.
     pub place: Place,
-    /// What its guard went by.
+    /// Limits of the finger's guard.
     pub limits: Limits,
-    /// What it came to.
+    /// Outcome of the finger's run.
     pub outcome: Outcome,
 }
 
-/// What all fingers have in common.
+/// Events, faults and frames that all fingers share.
 #[derive(Debug, Default)]
 pub struct Common {
     /// Notes of the skin's faults.
     pub events: Vec<Event>,
-    /// What became of these.
+    /// Reports of the skin's faults.
     pub faults: Vec<FaultReport>,
-    /// What became of the faults of boards and their buses, bus by bus.
+    /// Reports of the faults of boards and their buses, bus by bus.
     pub board_faults: Vec<FaultReport>,
-    /// What crossed the boards' buses, if that was kept.
+    /// Transfers that crossed the boards' buses; empty where none are kept.
     pub i2c: Vec<Transfer>,
     /// Frames on the sensor buses, if they were kept.
     pub can: Vec<Received>,
@@ -55,7 +55,7 @@ impl Part {
         self.place.display()
     }
 
-    /// With boards and modules by the numbers of bench and skin; wires stay the display's own.
+    /// Numbers boards and modules as bench and skin do; wires stay the display's own.
     fn renumber(&mut self) {
         let place = &self.place;
         place.number_header(&mut self.outcome.trace.header);
@@ -129,7 +129,7 @@ fn all<T>(parts: &[Part], of: impl Fn(&Outcome) -> Vec<T>) -> Vec<T> {
     parts.iter().flat_map(|p| of(&p.outcome)).collect()
 }
 
-/// A failure of one finger, which says whose it is.
+/// A finger's failure, with the finger's name.
 fn failed(part: &Part) -> Option<Failure> {
     let failure = part.outcome.failure.as_ref()?;
     let text = format!("display `{}`: {failure}", part.name());
@@ -178,7 +178,8 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
     sum
 }
 
-/// The most that a hand may have taken over a minute, mW: as if the worst minutes of its fingertips were the same one.
+/// Largest mean power that a hand can have taken over a minute, mW: as if the worst minutes of its fingertips were the
+/// same one.
 fn hand_power_mw(setup: &Setup, parts: &[Part]) -> f64 {
     let worst_mw = |part: &Part| {
         let margins = part.outcome.trace.ledger.margins.iter();
@@ -205,7 +206,8 @@ fn peak_supply_a(parts: &[Part]) -> f64 {
     boards.into_iter().map(of_board).sum()
 }
 
-/// A path, and what is felt of it, are those of the display with the largest error; sums and maxima are of all.
+/// Summary of all fingers. Path and felt level are those of the display with the largest error; sums and maxima are
+/// over all.
 fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     let each = || parts.iter().map(|p| &p.outcome.summary);
     let rmse = |e: &Option<PathError>| e.as_ref().map_or(f64::NEG_INFINITY, |e| e.rmse);
@@ -222,9 +224,9 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.contacts = each().map(|s| s.contacts).sum();
     sum.stimuli = ledger.driven.stimuli;
     sum.limiter_events = ledger.driven.limiter_events;
-    // Each display says its own.
+    // Each display has a summary of its own textures.
     sum.texture = None;
-    // What no instrument measures on a real bench, no sum knows either.
+    // Figures that no instrument measures on a real bench are in no sum either.
     let is_measured = each().any(|s| s.energy_mj.is_some());
     sum.energy_mj = is_measured.then_some(ledger.energy_uj as f64 * 1e-3);
     sum.peak_supply_a = is_measured.then(|| peak_supply_a(parts));

@@ -4,7 +4,7 @@ use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::random::RandomStream;
 use palpate_files::{Compression, LevelsFrom};
 
-/// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
+/// Intensities from which the levels are found; of more, this many are drawn, each as likely as the others.
 const TELLING: usize = 1 << 16;
 
 /// Levels that are known without the input; `None` for those that are found in it.
@@ -27,7 +27,7 @@ pub fn dynamic_levels(compression: &Compression) -> Levels {
 pub struct Intensities {
     drawn: Vec<f32>,
     count: u64,
-    /// The lowest and the highest.
+    /// The lowest and the highest intensity.
     ends: Option<(f32, f32)>,
     draws: RandomStream,
 }
@@ -44,7 +44,7 @@ impl Default for Intensities {
 }
 
 impl Intensities {
-    /// Adds one.
+    /// Adds an intensity.
     pub fn add(&mut self, intensity: f32) {
         let (least, most) = self.ends.unwrap_or((intensity, intensity));
         self.ends = Some((least.min(intensity), most.max(intensity)));
@@ -60,7 +60,7 @@ impl Intensities {
         }
     }
 
-    /// The table of `k` levels; none where nothing was touched.
+    /// Table of `k` levels; `None` where nothing was touched.
     #[must_use]
     pub fn table(mut self, k: usize) -> Option<LevelTable> {
         if self.count > TELLING as u64 {

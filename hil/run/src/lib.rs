@@ -103,7 +103,7 @@ use palpate_records::trace::{Event, Header, Trace};
 use effort::Effort;
 use picture::{State, Wants};
 
-/// What drives the sensor end.
+/// Source of the sensor readings of a run.
 #[derive(Clone, Debug)]
 pub enum Input {
     /// The scene's touches on an emulated skin.
@@ -128,27 +128,27 @@ impl Input {
 /// A finished run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Everything that happened.
+    /// Trace of the run: every event.
     pub trace: Trace,
-    /// What it came to.
+    /// Summary of the run.
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
     /// Temperatures over time.
     pub warmth: Vec<Warmth>,
-    /// What was done and what was left out.
+    /// Work of the run, and work that it left out.
     pub effort: Effort,
-    /// What ended the run before its time; the outputs are off.
+    /// Failure that ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
     /// Frames on the sensor buses as the host saw them, if they were to be kept.
     pub can: Vec<Received>,
     /// Messages on the actuator buses, if they were to be kept.
     pub i2c: Vec<Transfer>,
-    /// What taxels read, if that was to be kept.
+    /// Readings of taxels, where they are kept.
     pub readings: Option<Readings>,
     /// Remarks for the user, such as a recording that ends too early.
     pub notes: Vec<String>,
-    /// The same of every finger, where the bench has several displays.
+    /// Outcomes of the fingers, where the bench has several displays; empty else.
     pub displays: Vec<DisplayOutcome>,
 }
 
@@ -157,35 +157,36 @@ pub struct Outcome {
 pub struct DisplayOutcome {
     /// The display's name on the bench.
     pub name: String,
-    /// What it came to.
+    /// Outcome of the display.
     pub outcome: Outcome,
 }
 
-/// What a run keeps beside its trace.
+/// Records that a run keeps beside its trace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Keep {
     /// Every frame on the sensor buses: 24 bytes each, 1600 per second for a module of 16 taxels at 100 Hz.
     pub can: bool,
     /// Every message on the actuator buses.
     pub i2c: bool,
-    /// What taxels read.
+    /// Readings of taxels to keep.
     pub readings: KeptReadings,
-    /// The summary alone: what no figure of it needs goes while the run goes on, so that memory is bounded whatever
-    /// the length. Trace, frame times and temperatures are then in part.
+    /// The summary alone: records that no figure of the summary needs are dropped while the run goes on, so that memory
+    /// is bounded whatever the length. Trace, frame times and temperatures are then in part.
     pub summary: bool,
-    /// What would be felt in all corners of what is not measured: other wires beside, for what shows it.
+    /// Felt levels in all corners of quantities that nobody measured. Reports and views that show them need other wires
+    /// beside.
     pub band: bool,
 }
 
-/// Which readings of taxels a run keeps.
+/// Readings of taxels that a run keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KeptReadings {
-    /// None.
+    /// No readings.
     #[default]
     None,
-    /// What a report plays, in a bounded space.
+    /// Samples for a report to play, in a bounded space.
     Sampled,
-    /// All: 8 bytes for each taxel of each frame.
+    /// All readings: 8 bytes for each taxel of each frame.
     All,
 }
 
@@ -193,40 +194,40 @@ pub enum KeptReadings {
 pub struct TurnView<'a> {
     /// The time of the turn.
     pub now: Instant,
-    /// Whose turn it is, where the bench has several displays: they are counted as they began.
+    /// Number of the display whose turn it is, where the bench has several: they are counted as they began.
     pub display: usize,
-    /// Everything that happened so far.
+    /// Events so far.
     pub events: &'a [Event],
     /// The newest relative reading of every taxel, raw counts, NaN for one that is left out.
     pub counts: &'a [f32],
     /// The sensor buses, a line each.
     pub buses: &'a dyn Fn() -> Vec<String>,
-    /// How things are beside, with what is wanted.
+    /// Takes the state of guard and wires, as far as it is wanted.
     pub state: &'a dyn Fn(Wants) -> State,
 }
 
 /// A run that is about to begin, or that of one of several displays.
 pub struct Beginning<'a> {
-    /// Its setup; of one of several displays what it would be alone.
+    /// Setup of the run; for one of several displays, the setup that it would have alone.
     pub setup: &'a Setup,
-    /// What is run, on what.
+    /// Header of the run's trace.
     pub header: &'a Header,
     /// The loop.
     pub projector: &'a Projector,
-    /// When it will end.
+    /// Time at which the run ends.
     pub end: Instant,
     /// The display's name, where there are several.
     pub display: Option<&'a str>,
 }
 
-/// What a run is handed from outside. Nothing of it changes a result.
+/// Hooks that a run calls outside. A host changes no result.
 pub trait Host {
-    /// A clock to time frames by, where there is one.
+    /// Clock to time frames by, where there is one.
     fn stopwatch(&self) -> Option<effort::Stopwatch> {
         None
     }
 
-    /// Whether it looks on: turns are then played once, with all readings.
+    /// Tells whether the host watches the run: each turn is then played once, with all readings.
     fn looks_on(&self) -> bool {
         false
     }
@@ -234,43 +235,43 @@ pub trait Host {
     /// The run is about to begin. Of several displays each begins by itself.
     ///
     /// # Errors
-    /// What keeps it from looking on; the run does not begin.
+    /// Failure that keeps the host from looking on; the run does not begin.
     fn begin(&mut self, run: &Beginning<'_>) -> Result<(), Failure> {
         let _ = run;
         Ok(())
     }
 
-    /// After a turn; `true` ends the run.
+    /// Takes a turn. Returns `true` to end the run.
     fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         let _ = seen;
         false
     }
 
-    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
+    /// Takes the part of the run that is over, from 0 to 1, at every turn. Returns `true` to end the run.
     fn passed(&mut self, part: f64) -> bool {
         let _ = part;
         false
     }
 
-    /// Whether it records: it is then handed pieces of what happens, where a run keeps only what its summary needs.
+    /// Tells whether the host records: it then gets pieces of the trace, and the run keeps only what its summary needs.
     fn records(&self) -> bool {
         false
     }
 
-    /// What happened since the last piece.
+    /// Takes the piece of the trace since the last one.
     ///
     /// # Errors
-    /// What keeps it from recording; the run ends.
+    /// Failure that keeps the host from recording; the run ends.
     fn record(&mut self, piece: Piece) -> Result<(), Failure> {
         let _ = piece;
         Ok(())
     }
 
-    /// The run is over, whatever ended it.
+    /// Ends the work of the host: the run is over, for whatever cause.
     fn end(&mut self) {}
 }
 
-/// No clock, no view.
+/// A host without clock and view.
 impl Host for () {}
 
 /// Runs a scene on an emulated bench.

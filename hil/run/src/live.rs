@@ -69,10 +69,10 @@ impl EmulatedSession {
         Self::under_hands(setup, seed, projector)
     }
 
-    /// The same, with activations from outside in place of the scene's illusion.
+    /// A session with activations from outside in place of the scene's illusion.
     ///
     /// # Errors
-    /// As [`Self::touched`]; a scene whose pulses no illusion chooses.
+    /// Errors of [`Self::touched`]; a scene whose illusion chooses pulses by itself.
     pub fn activated(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>, Activations), Failure> {
         let levels = dynamic_levels(&setup.scene.value.compression);
         let (projector, activations) = activations::build(setup, seed, levels)?;
@@ -107,7 +107,7 @@ impl EmulatedSession {
         Self::on(setup, seed, of_setup(setup, seed)?, ends, policy)
     }
 
-    /// Takes one module's scan; what it makes due happens with the next turn.
+    /// Takes one module's scan; stimuli that it makes due follow with the next turn.
     ///
     /// # Errors
     /// A scan that is not of the setup's layout; nothing has changed then.
@@ -135,7 +135,7 @@ impl EmulatedSession {
     }
 }
 
-/// The loop of a setup, with levels by what has come so far.
+/// The loop of a setup, with levels by the contacts so far.
 fn of_setup(setup: &Setup, seed: u64) -> Result<Projector, Failure> {
     build(setup, seed, dynamic_levels(&setup.scene.value.compression))
 }
@@ -155,7 +155,7 @@ impl HeldSession {
 }
 
 impl<D: DisplayEnd> HeldSession<D> {
-    /// The same of a loop and any display.
+    /// A session of a loop and any display, for contacts that are handed to it.
     ///
     /// # Errors
     /// [`Failure::Device`] for a loop that has begun.
@@ -173,8 +173,8 @@ impl<D: DisplayEnd> HeldSession<D> {
         Ok(Self::new(projector, ends, policy, recorder, None))
     }
 
-    /// Takes all contacts as of `at`, when they may have been there first; they likely were `later` after that. What they make
-    /// due happens with the next turn.
+    /// Takes all contacts as of `at`, the earliest time at which they may have been there; they likely were `later`
+    /// after that. Stimuli that they make due follow with the next turn.
     ///
     /// # Errors
     /// Contacts that are not of the setup's layout and levels, or not newer; nothing has changed then.
@@ -190,8 +190,8 @@ impl<D: DisplayEnd> HeldSession<D> {
 }
 
 impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
-    /// What happened since the last time, in the order in which it was noticed, and how many events before that were
-    /// dropped because nothing drained them.
+    /// Takes the events since the last time, in the order in which they were noticed, and the number of events before
+    /// them that were dropped because nothing drained them.
     pub fn drain(&mut self) -> (Vec<Event>, u64) {
         let recorder = self.recorder();
         (

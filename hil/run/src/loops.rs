@@ -17,10 +17,10 @@ pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Fail
     build_with(setup, seed, levels, &Responses::default())
 }
 
-/// The same with what other loops have found already.
+/// Builds a loop with the responses that other loops have found already.
 ///
 /// # Errors
-/// As [`build`].
+/// Errors of [`build`].
 pub fn build_with(
     setup: &Setup,
     seed: u64,
@@ -30,11 +30,11 @@ pub fn build_with(
     made(setup, plan::plan_with(setup, seed, levels, responses)?)
 }
 
-/// Whether a setup can be run: its loop, or that of each of its fingers in its place on the grid of onsets, is built and
-/// let go.
+/// Checks that a setup can be run: builds its loop, or that of each of its fingers in its place on the grid of onsets,
+/// and drops it.
 ///
 /// # Errors
-/// As [`build`], and for fingers that cannot take turns on a board.
+/// Errors of [`build`]; [`Failure::Input`] for fingers that cannot take turns on a board.
 pub fn fits(setup: &Setup) -> Result<(), Failure> {
     let alone = fingers(setup);
     if alone.is_empty() {

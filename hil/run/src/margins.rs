@@ -1,6 +1,6 @@
-//! The margins of a run: every limit and the worst that the emulated hardware came to.
+//! The margins of a run: every limit, and the worst value of the emulated hardware.
 //!
-//! Measured behind the guard: from currents that flowed and temperatures that were reached, whatever was asked for.
+//! Measured behind the guard: from currents that flowed and temperatures that were reached, whatever was requested.
 
 use palpate_core::guard::{BURST_GAP, Guard, Limits};
 use palpate_emulators::time::Nanos;
@@ -8,7 +8,7 @@ use palpate_emulators::worn::{DisplayTotals, Flow, ThermalSample};
 use palpate_records::margin::{Limited, Margin, sort};
 use palpate_records::report::Warmth;
 
-/// What a run did to wires and skin.
+/// Currents and temperatures of a run, for its margins.
 pub struct Course<'a> {
     /// Every stretch of current.
     pub currents: &'a Currents,
@@ -18,9 +18,9 @@ pub struct Course<'a> {
     pub totals: &'a DisplayTotals,
 }
 
-/// So much current is held before the worst of it is taken.
+/// Time of currents that are held before the worst of them is taken.
 const STRETCH: Nanos = Nanos(600_000_000_000);
-/// What stays then: the longest window of a limit, and a burst.
+/// Time of currents that stay then: the longest window of a limit, and a burst.
 const OVERLAP: Nanos = Nanos(70_000_000_000);
 
 /// The limits of currents that flow.
@@ -34,7 +34,7 @@ const OF_CURRENTS: [Limited; 7] = [
     Limited::FingertipPower60s,
 ];
 
-/// The worst of what flowed for each of [`OF_CURRENTS`], in its unit.
+/// Worst value of each of [`OF_CURRENTS`], in its unit.
 type Worst = [f64; 7];
 
 fn worst_of(flows: &[Flow], wires: usize) -> Worst {
@@ -59,17 +59,17 @@ fn worst_of(flows: &[Flow], wires: usize) -> Worst {
     ]
 }
 
-/// What flowed in a run of any length: the worst of it, and the last stretch.
+/// Currents of a run of any length: the worst of them, and the last stretch.
 #[derive(Clone, Debug, Default)]
 pub struct Currents {
     wires: usize,
     worst: Worst,
-    /// In the order of their ends.
+    /// Newest currents, in the order of their ends.
     flows: Vec<Flow>,
 }
 
 impl Currents {
-    /// Nothing, in so many wires.
+    /// No currents yet, in so many wires.
     pub fn new(wires: usize) -> Self {
         Self {
             wires,
@@ -77,7 +77,7 @@ impl Currents {
         }
     }
 
-    /// Adds what flowed since.
+    /// Adds the currents since the last call.
     pub fn add(&mut self, flows: Vec<Flow>) {
         self.flows.extend(flows);
         let ends = self.flows.first().zip(self.flows.last());
@@ -94,7 +94,7 @@ impl Currents {
     }
 }
 
-/// A sample as the report takes it.
+/// A sample in the form that the report takes.
 pub fn warmth(sample: &ThermalSample) -> Warmth {
     Warmth {
         t_s: sample.at.as_secs_f64(),
@@ -105,7 +105,7 @@ pub fn warmth(sample: &ThermalSample) -> Warmth {
     }
 }
 
-/// A limit in its unit; none for what another table limits.
+/// A limit in its unit; `None` for one of another table.
 fn limit(of: Limited, limits: &Limits) -> Option<f64> {
     let (value, unit) = match of {
         Limited::Pulse => (limits.pulse_width_ns, 1e-3),
@@ -131,7 +131,7 @@ fn limit(of: Limited, limits: &Limits) -> Option<f64> {
     Some(value as f64 * unit)
 }
 
-/// The worst of each figure beside its limit, the most used one first.
+/// Margins of the worst values, the most used one first.
 pub fn against(limits: &Limits, worst: impl IntoIterator<Item = (Limited, f64)>) -> Vec<Margin> {
     let margin = |(of, worst)| Some(Margin::new(of, worst, limit(of, limits)?));
     let mut all: Vec<Margin> = worst.into_iter().filter_map(margin).collect();
@@ -157,8 +157,8 @@ pub fn margins(course: &Course<'_>, limits: &Limits) -> Vec<Margin> {
     against(limits, currents.chain(others))
 }
 
-/// The rows that a guard knows were passed, most first, where no instrument says what flowed: none unless a wire was on
-/// for too long.
+/// Margins of limits that a guard knows were passed, most first, where no instrument measures currents: none unless a
+/// wire was on for too long.
 pub fn exceeded(guard: &Guard) -> Vec<Margin> {
     let Some(found) = guard.overrun() else {
         return Vec::new();

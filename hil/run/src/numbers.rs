@@ -1,4 +1,4 @@
-//! What a finger's run says, in the numbers of bench and skin, and as the records have it that all fingers share.
+//! Translates a finger's trace into the numbers of bench and skin, and into the records that all fingers share.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::place::Place;
 use crate::verdict::STOPPED_BY;
 
 impl Place {
-    /// Its name; empty for the only display of a bench.
+    /// Name of the display; empty for the only one of a bench.
     #[must_use]
     pub fn display(&self) -> &str {
         self.name.as_deref().unwrap_or_default()
@@ -42,8 +42,8 @@ impl Place {
         }
     }
 
-    /// A numbered event as the common trace has it: notes say whose they are; what is felt of which touch is each
-    /// display's own, and what befalls a whole board is told by [`whole_boards`]. The only display's trace is the common one.
+    /// A numbered event for the common trace: notes name their display. Sensations are each display's own, and events
+    /// of a whole board come from [`whole_boards`]. The only display's trace is the common one.
     #[must_use]
     pub fn joined(&self, event: &Event) -> Option<Event> {
         let mut event = event.clone();
@@ -64,7 +64,7 @@ impl Place {
                     format!("{}: {text}", self.display()),
                 );
             }
-            // A run is stopped as a whole: one note says so.
+            // A run is stopped as a whole: one note is enough.
             Event::Note(note) if note.text.starts_with(STOPPED_BY) => return None,
             Event::Note(note) => note.text = format!("{}: {}", self.display(), note.text),
             Event::Wire(now) | Event::Skin(now) => now.wire += self.first_wire as u16,

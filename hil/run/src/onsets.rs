@@ -1,5 +1,5 @@
-//! At how many onsets something touched, on the part of the skin that the display shows or beyond it, and at how many the
-//! person felt it.
+//! Tallies of onsets: those at which something touched, on the part of the skin that the display shows or beyond it,
+//! and those at which the person felt it.
 
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
@@ -24,7 +24,7 @@ pub struct Onsets {
 }
 
 impl Onsets {
-    /// Adds an onset that was projected for so many targets, while these places were touched, where that is known.
+    /// Adds an onset that was projected for so many targets, with the touched places, where they are known.
     pub(crate) fn add(&mut self, projector: &Projector, targets: usize, truth: Option<&[Point]>) {
         let (touching, shown) = match truth {
             Some(places) => {
@@ -45,13 +45,13 @@ impl Onsets {
         self.meant += 1;
     }
 
-    /// Adds what a person met of an onset that was to be felt.
+    /// Adds a person's sensation of an onset that was meant to be felt.
     pub(crate) fn meet(&mut self, met: Option<&Felt>) {
         let is_felt = met.is_some_and(|met| met.levels.felt());
         self.felt = Some(self.felt.unwrap_or(0) + u64::from(is_felt));
     }
 
-    /// Adds those of another display.
+    /// Adds the onsets of another display.
     pub(crate) fn join(&mut self, other: &Self) {
         self.touched += other.touched;
         self.off_pad += other.off_pad;
@@ -61,18 +61,18 @@ impl Onsets {
         self.felt = both.or(self.felt).or(other.felt);
     }
 
-    /// Whether most of what touched lay beyond what the display shows.
+    /// Tells whether most contacts at onsets lay beyond the display.
     pub const fn mostly_off(&self) -> bool {
         2 * self.off_pad > self.touched
     }
 
-    /// Whether fewer than half of the onsets that were to be felt were, where a person is emulated.
+    /// Tells whether fewer than half of the onsets meant to be felt were felt. `false` without an emulated person.
     pub fn mostly_unfelt(&self) -> bool {
         self.felt.is_some_and(|felt| 2 * felt < self.meant)
     }
 
-    /// The share of onsets that were felt, percent: 100 only where all were. `None` where none was to be, or where no
-    /// person is emulated.
+    /// Share of onsets that were felt, percent: 100 only where all were. `None` where no onset was meant to be felt, or
+    /// no person is emulated.
     pub fn felt_percent(&self) -> Option<u64> {
         (self.felt? * 100).checked_div(self.meant)
     }

@@ -6,13 +6,13 @@ use palpate_emulators::worn::WornDisplay;
 
 /// The line that cuts every output whatever the chips' registers say, and needs no bus.
 pub trait OutputEnable {
-    /// Releases it, or cuts.
+    /// Releases the line, or cuts the outputs.
     fn set_enabled(&self, now: Instant, enabled: bool);
 
-    /// Whether outputs that it has cut are off: it is there, or they go off by themselves.
+    /// Tells whether outputs that were cut are off: the line is there, or they go off by themselves.
     fn cuts(&self) -> bool;
 
-    /// How notes say that the outputs were cut, or that they could not be.
+    /// Words of a note for outputs that were cut, or could not be.
     fn words(&self) -> &'static str;
 }
 

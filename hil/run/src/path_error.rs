@@ -1,4 +1,4 @@
-//! How far places lie from where they should.
+//! Distances of places from their true places.
 
 use palpate_records::measure::Errors;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct PathError {
     /// Root mean square.
     pub rmse: f64,
-    /// Largest.
+    /// Largest distance.
     pub max: f64,
 }
 

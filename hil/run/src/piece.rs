@@ -1,4 +1,4 @@
-//! Pieces of a run while it goes on, in the order of time: what files that grow are handed.
+//! Pieces of a run while it goes on, in the order of time, for files that grow.
 
 use palpate_core::bus::Received;
 use palpate_core::units::{Duration, Instant};
@@ -10,7 +10,7 @@ use crate::display_end::EmulatedDisplay;
 use crate::session::Session;
 use crate::skin_end::SkinEnd;
 
-/// Everything that happened since the last piece. Nothing that comes later is older.
+/// Events, frames and readings since the last piece. Later pieces hold nothing older.
 #[derive(Debug, Default)]
 pub struct Piece {
     /// Events in the order of time, all of an instant together.
@@ -26,7 +26,7 @@ pub struct Piece {
 /// Puts pieces together.
 #[derive(Debug)]
 pub(crate) struct Pieces {
-    /// Events come at most so late: what an onset gave to feel is known at the next one.
+    /// Longest delay of an event: the sensation of an onset is known at the next one.
     late: Duration,
     waiting: Piece,
 }
@@ -35,7 +35,7 @@ pub(crate) struct Pieces {
 const TURNS: Duration = Duration::from_millis(1000);
 
 impl Pieces {
-    /// Of a run with this time from onset to onset.
+    /// An empty collection for a run with `soa_us` from onset to onset.
     pub(crate) fn new(soa_us: u64) -> Self {
         Self {
             late: TURNS + Duration::from_micros(2 * soa_us),
@@ -43,7 +43,7 @@ impl Pieces {
         }
     }
 
-    /// Everything since the last piece that nothing earlier can precede any more; all of it at the `end`.
+    /// Takes everything since the last piece that nothing earlier can precede any more; all of it at the `end`.
     pub(crate) fn take<S: SkinEnd>(
         &mut self,
         session: &mut Session<S, EmulatedDisplay>,
@@ -81,7 +81,7 @@ impl Pieces {
     }
 }
 
-/// Takes what comes first and is due.
+/// Takes the first items that are due.
 fn before<T>(waiting: &mut Vec<T>, is_due: impl Fn(&T) -> bool) -> Vec<T> {
     let due = waiting.partition_point(is_due);
     let later = waiting.split_off(due);

@@ -1,4 +1,4 @@
-//! Where a display stands among those of its bench, and the setup that each of several fingers would have alone.
+//! Place of a display among those of its bench, and the setup that each of several fingers would have alone.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -14,26 +14,27 @@ use crate::plan;
 /// A display's boards, wires and modules, by the numbers that bench and scene have for them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Its name; none for the only display of a bench.
+    /// Name of the display; `None` for the only one of a bench.
     pub name: Option<String>,
     /// The I2C bus of its boards.
     pub bus: u8,
-    /// Its boards, in its own order.
+    /// Bench numbers of the display's boards, in its own order.
     pub boards: Vec<u8>,
-    /// Of each of its boards the channels that are its own, a bit each: all of them where no other display is on it.
+    /// Channels of each board that belong to the display, a bit each: all of them where no other display is on it.
     pub channels: Vec<u16>,
-    /// Whether no other display is on its bus.
+    /// `true` where no other display is on the bus.
     pub alone: bool,
-    /// Its first wire.
+    /// Bench number of the display's first wire.
     pub first_wire: usize,
-    /// How many wires it has.
+    /// Number of the display's wires.
     pub wires: usize,
-    /// Its modules, in its own order; none for the only display of a bench, whose modules are the skin's.
+    /// Skin numbers of the display's modules, in its own order; empty for the only display of a bench, whose modules
+    /// are the skin's.
     pub modules: Vec<usize>,
 }
 
 impl Place {
-    /// Of the only display of a bench.
+    /// Place of the only display of a bench.
     #[must_use]
     pub fn whole(bench: &Bench) -> Self {
         Self {
@@ -69,7 +70,7 @@ impl Place {
         }
     }
 
-    /// Of a whole bus, with its boards but without displays.
+    /// Place of a whole bus, with its boards but without displays.
     pub(crate) fn of_bus(bus: u8, boards: Range<u8>) -> Self {
         Self {
             name: None,
@@ -83,7 +84,7 @@ impl Place {
         }
     }
 
-    /// Says what it shares with these, itself among them.
+    /// Tells the display which bus and boards it has to itself among `all` displays.
     fn beside(&mut self, all: &[Self]) {
         let others = || all.iter().filter(|other| other.name != self.name);
         self.alone = others().all(|other| other.bus != self.bus);
@@ -115,26 +116,26 @@ impl Place {
         Duration::from_micros(all.max().unwrap_or(0))
     }
 
-    /// Its own number of a board of the bench, if it is on that board.
+    /// The display's own number of a board of the bench; `None` where it is not on that board.
     #[must_use]
     pub fn own_board(&self, board: usize) -> Option<usize> {
         self.boards.iter().position(|b| usize::from(*b) == board)
     }
 
-    /// Its own number of a module of the skin, if it has that module.
+    /// The display's own number of a module of the skin; `None` where it lacks that module.
     #[must_use]
     pub fn own_module(&self, module: usize) -> Option<usize> {
         self.modules.iter().position(|own| *own == module)
     }
 
-    /// Its own number of a wire of the bench, if it has that wire.
+    /// The display's own number of a wire of the bench; `None` where it lacks that wire.
     #[must_use]
     pub fn own_wire(&self, wire: usize) -> Option<usize> {
         let own = wire.checked_sub(self.first_wire);
         own.filter(|own| *own < self.wires)
     }
 
-    /// Whether a fault is done to its bus or boards.
+    /// Tells whether a fault is done to the display's bus or boards.
     pub(crate) fn is_of_boards(&self, fault: &Fault) -> bool {
         fault.kind.is_of_display()
             && fault.wire.is_none()
@@ -142,7 +143,7 @@ impl Place {
             && fault.board.is_none_or(|b| self.own_board(b).is_some())
     }
 
-    /// Whether a fault is done to one of its wires.
+    /// Tells whether a fault is done to one of the display's wires.
     fn is_of_wires(&self, fault: &Fault) -> bool {
         fault.kind.is_of_display() && fault.wire.is_some_and(|w| self.own_wire(w).is_some())
     }

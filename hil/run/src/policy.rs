@@ -1,53 +1,53 @@
-//! What differs between an emulated, a replayed and a real bench: values. Every line that acts on them is shared.
+//! Differences between an emulated, a replayed and a real bench, as values. Every line that acts on them is shared.
 
 use palpate_core::units::Duration;
 use palpate_files::{Bench, BenchKind, Setup};
 
 use crate::failure::Failure;
 
-/// Which stops of the guard end by themselves once their cause is gone.
+/// Stops of the guard that end by themselves once their cause is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatchPolicy {
     /// All of them: an emulated wearer cannot look at the bench.
     Reopens,
-    /// Only that of a failed transfer, after the boards were started anew and read back. Any other stays until a
+    /// Only the stop by a failed transfer, after the boards were started anew and read back. Any other stays until a
     /// person has looked.
     Stays,
 }
 
-/// The values of a bench.
+/// Values in which benches differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Policy {
-    /// An actuator bus that is dead for this long ends the run.
+    /// Time for which an actuator bus may be dead before the run ends.
     pub give_up: Duration,
-    /// A dead actuator bus is tried this often.
+    /// Time between two tries of a dead actuator bus.
     pub retry: Duration,
-    /// Whether an actuator bus that is dead from the start is waited for as well.
+    /// `true` to wait for an actuator bus that is dead from the start as well.
     pub waits_at_start: bool,
-    /// Which stops end by themselves.
+    /// Stops that end by themselves.
     pub latch: LatchPolicy,
 }
 
 impl Policy {
-    /// Emulated hardware and recordings.
+    /// Policy of emulated hardware and recordings.
     pub const EMULATED: Self = Self {
         give_up: Duration::from_millis(100),
         retry: Duration::from_millis(1),
         waits_at_start: true,
         latch: LatchPolicy::Reopens,
     };
-    /// An emulated driver unit: a network that is gone comes back.
+    /// Policy of an emulated driver unit: a network that is gone comes back.
     pub const UNIT: Self = Self {
         give_up: Duration::from_millis(3000),
         ..Self::EMULATED
     };
-    /// Of an emulated bench, with a driver unit or without.
+    /// Policy of an emulated bench, with a driver unit or without.
     #[must_use]
     pub const fn emulated(unit: bool) -> Self {
         if unit { Self::UNIT } else { Self::EMULATED }
     }
 
-    /// Hardware: a USB plug that was pulled may come back, a person has to look after a stop.
+    /// Policy of hardware: a USB plug that was pulled may come back, a person has to look after a stop.
     pub const REAL: Self = Self {
         give_up: Duration::from_millis(3000),
         retry: Duration::from_millis(20),
@@ -68,7 +68,7 @@ pub(crate) fn refuse_observed(setup: &Setup) -> Result<(), Failure> {
     }
 }
 
-/// Refuses hardware: what is emulated must not be recorded as real.
+/// Refuses hardware: emulated data must never be recorded as real.
 pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
     if bench.unit_address().is_some() {
         return Err(Failure::Input(format!(

@@ -21,11 +21,11 @@ use crate::loops::build;
 use crate::picture::{Head, Memory, Painter};
 use crate::place::{Place, fingers};
 
-/// How far temperatures reach back, microseconds.
+/// Time before a moment for which temperatures are shown, microseconds.
 const WARM_US: u64 = 30_000_000;
-/// How much of a file is read for the past of a moment, bytes.
+/// Bytes of a file that are read for the past of a moment.
 const MOST_PAST: u64 = 16 << 20;
-/// Time between two marks, microseconds, and how many there are at most: beyond, every other one goes.
+/// Time between two marks, microseconds, and most marks: beyond, every other one is dropped.
 const MARK_US: u64 = 500_000;
 const MARKS: usize = 4096;
 
@@ -42,13 +42,13 @@ struct Mark {
 pub struct Recorded {
     head: Head,
     label: String,
-    /// When the last message was, microseconds.
+    /// Time of the last message, microseconds.
     end_us: u64,
-    /// What is wrong with the file.
+    /// Damage of the file, a place each.
     damages: Vec<String>,
-    /// What there is nothing of in it.
+    /// Panels of a page for which the recording has no messages.
     lacks: Vec<&'static str>,
-    /// That has seen nothing.
+    /// Painter before the first event.
     painter: Painter,
     map: Map,
     /// Board and channel of each wire, and how many taxels each module has.
@@ -59,7 +59,7 @@ pub struct Recorded {
     marks: Vec<Mark>,
 }
 
-/// What kinds of messages there were.
+/// Kinds of messages in the recording.
 #[derive(Default)]
 struct Seen {
     taxels: bool,
@@ -156,7 +156,7 @@ impl Recorded {
         Ok(recorded)
     }
 
-    /// From the files that the recording has with it.
+    /// Begins with the files that the recording has with it.
     fn begin<R: Read>(label: &str, reader: &McapReader<R>) -> Result<Self, Failure> {
         let said = reader.so_far();
         let fact = |key: &str| said.metadata.get(key).map_or("", String::as_str);
@@ -208,25 +208,25 @@ impl Recorded {
         })
     }
 
-    /// What stays as it is.
+    /// Head of the recorded session.
     #[must_use]
     pub const fn head(&self) -> &Head {
         &self.head
     }
 
-    /// When it ends, microseconds.
+    /// Time of the last message, microseconds.
     #[must_use]
     pub const fn end_us(&self) -> u64 {
         self.end_us
     }
 
-    /// What is wrong with the file, a place each; empty for a whole one.
+    /// Damage of the file, a place each; empty for a whole one.
     #[must_use]
     pub fn damages(&self) -> &[String] {
         &self.damages
     }
 
-    /// What a page has panels for and the recording nothing of.
+    /// Panels of a page for which the recording has no messages.
     #[must_use]
     pub fn lacks(&self) -> &[&'static str] {
         &self.lacks

@@ -1,4 +1,4 @@
-//! From what the loop reports to the canonical trace.
+//! Recorder: from the loop's reports to the canonical trace.
 
 use std::collections::BTreeSet;
 
@@ -26,31 +26,30 @@ pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
 }
 
-/// So many stimuli stand for a run, 2 MB of them: a quarter of an hour on all wires of a fingertip.
+/// Stimuli that stand for a run, 2 MB of them: a quarter of an hour on all wires of a fingertip.
 const ROUND: usize = 1 << 15;
 /// Longest session that is told apart from an endless one.
 const DAY: Duration = Duration::from_millis(24 * 3_600_000);
 
-/// So many events are looked through at once for those that a summary reads.
+/// Events that are looked through at once for those that a summary reads.
 const UNREAD: usize = 1 << 10;
 
-/// What truly touches the driving module.
+/// True touches of the driving module.
 #[derive(Debug, Default)]
 pub enum Truth {
-    /// Not known: a recording, readings that are pushed, a real skin.
+    /// Unknown: a recording, readings that are pushed, a real skin.
     #[default]
     Unknown,
-    /// A scene's touches that drive the display, and how far right and up of the places they tell they are.
+    /// A scene's touches that drive the display, each with the offset (mm) from its own places to the driving plane.
     Scene(Vec<(Touch, [f64; 2])>),
     /// A hand on the driving module.
     Hand(Hand),
-    /// A scene's touches and fingers, and how far right and up of the places they tell those on each module are that
-    /// drives.
+    /// A scene's touches and fingers; the touches with their offsets (mm), and the offset of each module that drives.
     Played(Vec<(Touch, [f64; 2])>, Fingers, Vec<Option<[f64; 2]>>),
 }
 
 impl Truth {
-    /// Of a setup's scene: the driving module's touches, or where the skin is one, all of them.
+    /// Truth of a setup's scene: the driving module's touches, or where the skin is one, all of them.
     pub fn of(setup: &Setup) -> Self {
         let scene = &setup.scene.value;
         match scene.compression.scope {
@@ -59,7 +58,7 @@ impl Truth {
         }
     }
 
-    /// Of a setup's scene that fingers join.
+    /// Truth of a setup's scene that fingers join.
     pub fn played(setup: &Setup, fingers: &Fingers) -> Self {
         let scene = &setup.scene.value;
         let whole = scene.compression.scope == Scope::Skin;
@@ -75,8 +74,8 @@ impl Truth {
         }
     }
 
-    /// Of one of several fingers: the touches of the module that drives it, or where its modules are one skin, of all
-    /// of them.
+    /// Truth of one of several fingers: the touches of the module that drives it, or where its modules are one skin, of
+    /// all of them.
     pub fn of_finger(setup: &Setup, finger: &Finger) -> Self {
         let driving = match finger.merged {
             true => finger.modules.as_slice(),
@@ -96,7 +95,7 @@ impl Truth {
         Self::Scene(driving.map(|t| (t.clone(), place(t))).collect())
     }
 
-    /// Where, and how hard (N), when exactly one thing touches.
+    /// Place and force (N) of the only touch; `None` for none or several.
     fn at(&self, at: Instant) -> Option<(Point, f64)> {
         match self {
             Self::Unknown => None,
@@ -106,7 +105,7 @@ impl Truth {
         }
     }
 
-    /// Every place that is pressed; `None` where that is not known.
+    /// Every place that is pressed; `None` where that is unknown.
     fn places(&self, at: Instant) -> Option<Vec<Point>> {
         let t_s = seconds(at);
         let pressed = |all: Vec<_>| all.into_iter().filter_map(pressing).map(|p| p.0).collect();
@@ -136,7 +135,7 @@ fn seconds(at: Instant) -> f64 {
     at.as_micros() as f64 * 1e-6
 }
 
-/// What touches at a time.
+/// Touches at a time, each with its offset, mm.
 fn touching(
     touches: &[(Touch, [f64; 2])],
     t_s: f64,
@@ -145,7 +144,7 @@ fn touching(
     touches.iter().filter_map(here)
 }
 
-/// The only one of what touches, if it presses.
+/// The only one of the touches, if it presses.
 fn only(mut now: impl Iterator<Item = (TouchPoint, [f64; 2])>) -> Option<(Point, f64)> {
     let only = now.next().and_then(pressing)?;
     now.next().is_none().then_some(only)
@@ -172,30 +171,30 @@ pub const fn word(condition: Condition) -> &'static str {
 /// An onset whose sensation is not known yet.
 #[derive(Clone, Debug)]
 pub struct Onset {
-    /// When.
+    /// Time of the onset.
     pub at: Instant,
     /// The contacts on the display.
     pub targets: Vec<Target>,
-    /// What was asked for and what the guard applied, a stimulus each.
+    /// Stimuli of the onset: requested and applied by the guard.
     pub entries: Vec<Entry>,
 }
 
-/// Collects a run.
+/// Recorder of a run.
 #[derive(Debug, Default)]
 pub struct Recorder {
-    /// What happened.
+    /// Events so far, in the order in which they were noticed.
     pub events: Vec<Event>,
     /// Frames compressed.
     pub frames: u32,
     /// Contacts over all frames.
     pub contacts: u64,
-    /// What the wires were told.
+    /// Counts of the stimuli.
     pub driven: Driven,
     /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
     pub counts: Option<Vec<f32>>,
-    /// What every taxel read, where that is kept.
+    /// Readings of every taxel, where they are kept.
     pub readings: Option<Readings>,
-    /// The same for a record that grows: who writes it takes it, turn by turn.
+    /// Readings for a record that grows: its writer takes them, turn by turn.
     pub taxels: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
@@ -203,11 +202,11 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Touches at onsets, and whether they were felt.
     pub met: Onsets,
-    /// Whether a wire was driven since the newest onset was scored.
+    /// `true` where a wire was driven since the newest onset was scored.
     pub pulsed: bool,
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// The first stimuli, `ROUND` at most: what a longest session is told from.
+    /// The first stimuli, `ROUND` at most, from which the longest session is computed.
     pub first: Vec<Entry>,
     /// The newest stimuli that all began at once.
     asked: Vec<Entry>,
@@ -216,26 +215,26 @@ pub struct Recorder {
     /// Windows of texture, and the sum of their roughness, thousandths.
     pub windows: (u32, u64),
     truth: Truth,
-    /// Where a summary is enough, of a run whose truth is not known: the felt path so far. Only notes stay then.
+    /// Felt path so far, where a summary is enough and the truth is not known. Of the events only notes stay then.
     pub felt: Option<FeltPath>,
-    /// How many.
+    /// Number of notes at the front of the events, which were looked through already.
     stayed: usize,
-    /// Where a record is written while the run goes on: the events that were looked through since the last time.
+    /// Events that were looked through since the last time, for a record that is written while the run goes on.
     pub handed: Option<Vec<Event>>,
-    /// Events at most; the oldest go. `None`: all are kept.
+    /// Most events that are kept; the oldest are dropped. `None`: all are kept.
     most_events: Option<usize>,
-    /// Events that went so.
+    /// Events that were dropped for that.
     pub dropped: u64,
     /// The skin, for naming its taxels.
     layout: Option<Layout>,
     /// Joints whose angles are kept.
     pub joints: Vec<Joint>,
-    /// Taxels whose health changed alike: when, module, condition, taxels. Not yet told.
+    /// Taxels whose health changed alike: time, module, condition, taxels. Not yet noted.
     changed: Option<(Instant, usize, Condition, Vec<usize>)>,
 }
 
 impl Recorder {
-    /// For a skin whose touches are known, or not.
+    /// A recorder for a skin, with its true touches where they are known.
     pub fn new(truth: Truth, layout: &Layout) -> Self {
         Self {
             truth,
@@ -244,14 +243,15 @@ impl Recorder {
         }
     }
 
-    /// With so many events at most.
+    /// The recorder with so many events at most.
     #[must_use]
     pub const fn bounded(mut self, most_events: usize) -> Self {
         self.most_events = Some(most_events);
         self
     }
 
-    /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
+    /// Drops the older half of the events where there are too many. Where a summary is enough, drops all that it does
+    /// not read.
     pub fn trim(&mut self) {
         if self.events.len() - self.stayed > UNREAD {
             self.pass_on();
@@ -264,12 +264,12 @@ impl Recorder {
         }
     }
 
-    /// Where a summary is enough: looks through the new events, keeps notes, and hands all of them on.
+    /// Looks through the new events, keeps notes, and hands all of them on, where a summary is enough.
     pub fn pass_on(&mut self) {
         if self.felt.is_none() {
             return;
         }
-        // Else it would come when another taxel changes, which may be hours later.
+        // Without this, the change would be told when another taxel changes, which may be hours later.
         self.tell_taxels();
         let new = self.events.split_off(self.stayed);
         if let Some(path) = &mut self.felt {
@@ -283,7 +283,7 @@ impl Recorder {
         }
     }
 
-    /// How long a session may be, s, that is this run until `end` over and over; `None` for a day and more.
+    /// Longest session, s, that repeats this run until `end` over and over; `None` for a day and more.
     pub fn longest_session_s(&self, guard: &Guard, end: Instant) -> Option<f64> {
         let whole = self.first.len() < ROUND;
         let end = if whole { end } else { self.first.last()?.at };
@@ -309,7 +309,7 @@ impl Recorder {
         self.note(at, text);
     }
 
-    /// A line worth keeping.
+    /// Adds a note.
     pub fn note(&mut self, at: Instant, text: String) {
         self.events.push(Event::note(at, text));
     }
@@ -328,7 +328,7 @@ impl Recorder {
         self.truth.places(at).map_or(0, |places| places.len())
     }
 
-    /// Where the driving module is truly touched.
+    /// Place and force (N) of the only true touch; `None` for none, several or an unknown truth.
     pub fn truth_at(&self, at: Instant) -> Option<(Point, f64)> {
         self.truth.at(at)
     }

@@ -25,13 +25,13 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     /// Number of rows.
     fn frames(&self) -> usize;
 
-    /// From the first row to the last, microseconds.
+    /// Time from the first row to the last, microseconds.
     fn span_us(&self) -> u64;
 
-    /// Looks for what no row may be; sources that cannot hold such rows need no look.
+    /// Checks every row; sources that cannot hold bad rows need no check.
     ///
     /// # Errors
-    /// What was expected, and what was found.
+    /// The expected row, and the one found.
     fn check(&self) -> Result<(), (String, String)> {
         Ok(())
     }
@@ -140,7 +140,7 @@ struct Share {
     module: u16,
     /// Taxels that the row has readings of.
     read: Box<[usize]>,
-    /// Which taxels those are.
+    /// Marks the taxels of `read`, by taxel.
     fresh: Box<[bool]>,
     /// The newest readings, by taxel.
     counts: Box<[[u16; 3]]>,
@@ -185,7 +185,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// When the next row is due, which is pulled if it was not; none after the last one.
+    /// Time of the next row, which is pulled if it was not; none after the last one.
     fn due(&mut self) -> Result<Option<u64>, Failure> {
         if let (None, Some(rows)) = (self.due, &mut self.rows) {
             match rows.next_row(&mut self.row)? {
@@ -330,7 +330,7 @@ pub trait FrameSource: fmt::Debug + Send + Sync {
     /// Frames of the identifier that came most often.
     fn rows(&self) -> usize;
 
-    /// When the last one comes.
+    /// Time of the last frame.
     fn end(&self) -> Instant;
 
     /// The frames from the first on, the oldest first.
@@ -343,7 +343,7 @@ pub trait FrameSource: fmt::Debug + Send + Sync {
 /// Frames that are pulled; an error where their source has changed since it was first read.
 pub type Frames<'a> = Box<dyn Iterator<Item = Result<Received, Failure>> + Send + 'a>;
 
-/// How often each identifier came on each bus.
+/// Count of each identifier on each bus.
 #[derive(Clone, Debug, Default)]
 pub struct Identifiers(BTreeMap<(u8, u16), usize>);
 

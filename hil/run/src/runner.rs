@@ -81,7 +81,7 @@ pub fn run_with(
     Ok(outcome?.concluded(setup, replayed))
 }
 
-/// Nothing is driven: for a pass that only looks at contacts.
+/// Actuators that drive nothing: for a pass that only looks at contacts.
 struct Silence;
 
 impl Actuators for Silence {
@@ -96,18 +96,18 @@ impl Actuators for Silence {
     }
 }
 
-/// What every pass of a run shares.
+/// Parameters that every pass of a run shares.
 #[derive(Clone, Copy)]
 struct Run<'a> {
     setup: &'a Setup,
-    /// The whole skin's, also where this is one finger's part.
+    /// The whole skin's layout, also where this is one finger's part.
     layout: &'a Layout,
     responses: &'a Responses,
     seed: u64,
     keep: Keep,
-    /// Whether its readings come meanwhile.
+    /// `true` where readings arrive during the run: frames are then not timed.
     waits: bool,
-    /// When it began, by the host's stopwatch.
+    /// Reading of the host's stopwatch at the run's begin.
     began: Option<Elapsed>,
 }
 
@@ -125,7 +125,7 @@ impl Run<'_> {
         let mut first = on_tape(setup, self.layout, emulated()?);
         let levels = self.calibrate(&mut first, end, host)?;
         let tape = &mut first.bus_mut().inner;
-        // What is watched is played once, also where a tape turns out to be of no use.
+        // A run that is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
             tape.rewind(end);
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
@@ -192,7 +192,7 @@ impl Run<'_> {
     ) -> Result<Outcome, Failure> {
         match self.setup.fingers.is_empty() {
             true => self.one(levels, skin, truth, end, host),
-            // A page draws one finger, and what joins several is a twentieth of its module.
+            // A page draws one finger; the code that joins several would be a twentieth of its WebAssembly module.
             false if cfg!(target_family = "wasm") => Err(Failure::Input(format!(
                 "bench `{}`: expected one display in a page; `hil run` has all of them",
                 self.setup.bench.value.name
@@ -202,7 +202,7 @@ impl Run<'_> {
     }
 }
 
-/// The part of a run that its first pass is, where there are two.
+/// Share of a run that its first pass takes, where there are two.
 const HALF: f64 = 0.5;
 
 /// The part of a pass that is over at `now`.
@@ -210,7 +210,7 @@ pub(crate) fn part(now: Instant, end: Instant) -> f64 {
     now.as_micros() as f64 / end.as_micros().max(1) as f64
 }
 
-/// When a scene ends.
+/// Time at which a scene ends.
 pub(crate) fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }

@@ -1,5 +1,4 @@
-//! A scene's faults as they come and go: each is done to the emulated hardware at its time, counted, and
-//! told to the record.
+//! A scene's faults as they come and go: each is done to the emulated hardware at its time, counted, and reported.
 
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
@@ -15,19 +14,19 @@ use serde::Serialize;
 use super::effects::{Faultable, counter, i2c_kind, on_chip, on_converter, on_module, rules};
 use palpate_files::{Drive, Fault, FaultKind};
 
-/// How long what happens for a moment lasts, where the scene does not say: a reboot, a bus-off host.
+/// Duration of a momentary fault where the scene does not say: a reboot, a bus-off host.
 const MOMENT: Duration = Duration::from_millis(100);
 
 /// A fault of a run, for its summary.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FaultReport {
-    /// Its kind.
+    /// Kind of the fault.
     pub kind: &'static str,
     /// Kind and target in words.
     pub what: String,
-    /// When it began, seconds.
+    /// Time at which the fault began, seconds.
     pub at_s: f64,
-    /// When it ended; `None`: with the run.
+    /// Time at which the fault ended; `None`: with the run.
     pub until_s: Option<f64>,
     /// Frames, transfers or chips it hit.
     pub count: u64,
@@ -46,7 +45,7 @@ struct Entry {
     from: Instant,
     until: Option<Instant>,
     state: State,
-    /// The kind's counter when the fault began, then what it hit.
+    /// The kind's counter when the fault began, then the count of its hits.
     base: u64,
     count: u64,
 }
@@ -90,7 +89,7 @@ impl Script {
         }
     }
 
-    /// When the next fault comes or goes.
+    /// Time at which the next fault begins or ends.
     pub fn next(&self) -> Instant {
         let next = |e: &Entry| match e.state {
             State::Waiting => Some(e.from),
@@ -143,7 +142,7 @@ impl Script {
         self.set_layers(bench);
     }
 
-    /// What became of every fault.
+    /// Reports of all faults.
     pub fn report(&self) -> Vec<FaultReport> {
         let report = |e: &Entry| FaultReport {
             kind: e.fault.kind.name(),
@@ -176,7 +175,7 @@ impl Script {
         Some((usize::from(address.bus), place, address.board))
     }
 
-    /// Does what a fault does once to the hardware, as it begins and as it ends.
+    /// Does the single acts of a fault to the hardware, as it begins and as it ends.
     fn change(&mut self, n: usize, begins: bool, now: Instant, bench: &mut Faultable<'_>) {
         let fault = self.entries[n].fault.clone();
         let board = fault.module.and_then(|m| self.board(m));
@@ -289,7 +288,7 @@ impl Script {
         });
     }
 
-    /// Sets dice and rules of both layers to what is on.
+    /// Sets dice and rules of both layers to the faults that are on.
     fn set_layers(&self, bench: &mut Faultable<'_>) {
         let on = || {
             self.entries
@@ -332,7 +331,7 @@ impl Script {
     }
 }
 
-/// Does something to a sensor bus, where one is emulated.
+/// Works on a sensor bus, where one is emulated.
 fn on_bus(bench: &mut Faultable<'_>, bus: usize, work: &mut dyn FnMut(&mut SkinBus)) {
     if let Some(skin) = bench.skin.as_mut() {
         skin.inner_mut().with(|buses| buses.get_mut(bus).map(work));

@@ -1,4 +1,4 @@
-//! What a scene does to one module: touches that move, surfaces that are stroked, contacts whose surface rubs.
+//! A scene's presses on one module: touches that move, surfaces that are stroked, contacts whose surface rubs.
 
 use palpate_core::contact::Scope;
 use palpate_core::units::Point;
@@ -50,7 +50,8 @@ impl Rubbing {
     }
 }
 
-/// The texture of a module, and what strokes it; and what its strokes count from, so that no two fingers' are alike.
+/// Texture of a module and the surface that strokes it, with the number of the first stroke, so that no two fingers'
+/// strokes are alike.
 fn stroked(setup: &Setup, module: usize) -> Option<(u32, Option<&Felt>, Option<&TextureEntry>)> {
     if setup.fingers.is_empty() {
         let scene = &setup.scene.value;
@@ -69,17 +70,17 @@ fn stroked(setup: &Setup, module: usize) -> Option<(u32, Option<&Felt>, Option<&
 /// A scene on one module.
 pub(super) struct Scripted {
     touches: Vec<(Touch, Option<Rubbing>)>,
-    /// From the module's millimetres to those that each touch is told in.
+    /// Offsets from the module's millimetres to those of each touch.
     offsets: Vec<[f64; 2]>,
     /// Fingers that join them, and how far each module's millimetres are from those of this one.
     fingers: Option<(Fingers, Vec<Option<[f64; 2]>>)>,
     strokes: SurfaceStrokes,
-    /// Everything begins anew after each such span.
+    /// Span after which everything begins anew.
     repeat: Option<Nanos>,
 }
 
 impl Scripted {
-    /// What `setup`'s scene does to a module whose silicone has a time constant of `lag_s`.
+    /// Presses of `setup`'s scene on a module whose silicone has a time constant of `lag_s`.
     pub(super) fn new(
         setup: &Setup,
         module: usize,
@@ -94,11 +95,11 @@ impl Scripted {
         let rub = |number: u32, touch: &Touch| {
             let number = first + number;
             let (felt, texture) = textured.as_ref()?;
-            // A hand has no surface.
+            // A touch by hand has no surface.
             let rubs = felt.rubs && touch.path.kind != PathKind::Hand;
             rubs.then(|| Rubbing::new(Rub::new(texture, (seed, number), lag_s), touch))
         };
-        // What is one skin is pressed as one: a touch beside a module presses it too.
+        // One skin is pressed as one: a touch beside a module presses it too.
         let whole = scene.compression.scope == Scope::Skin;
         let modules = &setup.sensor.value.modules;
         let between = |from: usize| {
@@ -143,7 +144,7 @@ impl Scripted {
     }
 }
 
-/// A touch as it presses a module whose millimetres lie `offset` away, with what a relief adds.
+/// A touch as a press of a module whose millimetres lie `offset` away, with the force that a relief adds.
 fn pressed(point: &TouchPoint, [x, y]: [f64; 2], more: f64) -> Press {
     Press {
         at: Point::new((point.x_mm + x) as f32, (point.y_mm + y) as f32),
@@ -180,7 +181,7 @@ impl Touches for Scripted {
         self.strokes.touches(now, out);
     }
 
-    /// Of the first contact that rubs, which takes the skin along, else of the stroke.
+    /// Drag of the first contact that rubs, which takes the skin along; without one, drag of the stroke.
     fn drag(&self, now: Nanos) -> [f64; 2] {
         let now = self.at(now);
         let t_s = now.as_secs_f64();

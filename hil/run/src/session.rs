@@ -19,19 +19,19 @@ use crate::recorder::Recorder;
 use crate::skin_end::SkinEnd;
 use crate::supervisor::Supervisor;
 
-/// The loop is called at least this often, as a real host would call it.
+/// Longest time between two calls of the loop, as a real host would call it.
 pub(crate) const TICK: Duration = Duration::from_millis(1);
-/// Registers are read back this often, between two bursts so that a slow answer delays no end of one.
+/// Time between two looks at the registers, between two bursts so that a slow answer delays no end of one.
 const VERIFY: Duration = Duration::from_millis(250);
-/// Wires that are driven without a pause do not put it off for longer than this.
+/// Longest delay of that check by wires that are driven without a pause.
 const VERIFY_AT_LAST: Duration = Duration::from_millis(1000);
 
-/// Whether there is another turn.
+/// Result of a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// There is, at the latest at this time.
+    /// Another turn is due, at the latest at this time.
     Next(Instant),
-    /// Something ended the run before its time; [`Session::failure`] says what.
+    /// The run has ended before its time; [`Session::failure`] tells why.
     Last,
 }
 
@@ -116,10 +116,10 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         Ok(self.next)
     }
 
-    /// One call of the loop at `now`, and what goes on around it.
+    /// Calls the loop once at `now`, with the work before and after it.
     ///
     /// # Errors
-    /// [`Failure::Device`] for an emulator that contradicts itself. What ends a run in order is no error here:
+    /// [`Failure::Device`] for an emulator that contradicts itself. A run that ends in order is no error here:
     /// [`Turn::Last`], [`Session::failure`].
     pub fn turn(&mut self, now: Instant) -> Result<Turn, Failure> {
         self.now = now;
@@ -170,10 +170,10 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         Ok(Turn::Next(self.next))
     }
 
-    /// Everything off at `end`.
+    /// Switches everything off at `end`.
     ///
     /// # Errors
-    /// The driver's: not everything is known to be off. What is not counts as on until now.
+    /// The driver's: not everything is known to be off. Outputs that are not known to be off count as on until now.
     pub fn switch_off(&mut self, end: Instant) -> Result<(), DriverError> {
         self.now = end;
         let (banks, _) = self.display.parts();
@@ -194,7 +194,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         off
     }
 
-    /// Everything off at `end`. A bus that does not take that is lost, and the failure of a run that had none.
+    /// Switches everything off at `end`. A bus that does not take that is lost, and the failure of a run that had none.
     pub fn conclude(&mut self, end: Instant) {
         if let Err(e) = self.switch_off(end)
             && self.failure.is_none()
@@ -204,7 +204,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         }
     }
 
-    /// Does to emulated hardware what the scene's faults say.
+    /// Does the scene's faults to emulated hardware.
     fn fail(&mut self, last: bool) {
         let skin = self.skin.emulated();
         let events = &mut self.recorder.events;
@@ -239,7 +239,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.supervisor.lose(self.now, &error, cut, events);
     }
 
-    /// What was switched off by another way than the session's is off now.
+    /// Settles the guard's books where outputs were switched off by another way than the session's.
     pub fn settle(&mut self) {
         let (banks, _) = self.display.parts();
         let at = banks.confirmed(self.now);
@@ -247,7 +247,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.has_exceeded();
     }
 
-    /// What is not known to be off is counted as on until now.
+    /// Counts outputs that are not known to be off as on until now.
     pub fn still_on(&mut self) {
         let (banks, _) = self.display.parts();
         self.projector.still_on(banks.confirmed(self.now));
@@ -292,8 +292,8 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         }
     }
 
-    /// Whether a wire was on for too long. That ends a run on hardware at once, with its outputs off, and is latched. Where
-    /// stops end by themselves it is a stop like any other.
+    /// Tells whether a wire was on for too long. On hardware that ends a run at once, with its outputs off, and is
+    /// latched. Where stops end by themselves it is a stop like any other.
     fn has_exceeded(&mut self) -> bool {
         if self.policy.latch == LatchPolicy::Reopens {
             return false;
@@ -307,13 +307,13 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.exceeded
     }
 
-    /// The run did not get to act until `now`, and its clock did not count `uncounted` of that: everything off before anything
-    /// else. What was on counts as on meanwhile. On hardware that stays latched for this cause; where stops end by themselves it
-    /// is a stop like any other. Returns whether the run goes on.
+    /// Switches everything off first, after a time until `now` in which the run did not act and of which its clock did
+    /// not count `uncounted`. Outputs that were on count as on meanwhile. On hardware the stop stays latched for this
+    /// cause; where stops end by themselves it is a stop like any other. Returns whether the run goes on.
     pub fn unseen(&mut self, now: Instant, uncounted: Duration, cause: &str) -> bool {
         self.now = now;
         let (banks, _) = self.display.parts();
-        // What is lost here is tried again below.
+        // Outputs that are lost here are tried again below.
         let _ = banks.all_off();
         self.projector.slept(now, uncounted);
         let (banks, _) = self.display.parts();
@@ -341,7 +341,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         false
     }
 
-    /// The wire that was on for too long, in words, with what stopped the run before that was known.
+    /// Words for the wire that was on for too long, with the cause that stopped the run before, where it is known.
     pub fn overrun(&self) -> Option<String> {
         let guard = self.projector.guard();
         let found = guard.overrun()?;
@@ -417,22 +417,22 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.now
     }
 
-    /// When the next turn is due.
+    /// Time at which the next turn is due.
     pub const fn next(&self) -> Instant {
         self.next
     }
 
-    /// What ended the run or will end it with a failure.
+    /// Failure that ended the run or will end it.
     pub const fn failure(&self) -> Option<&Failure> {
         self.failure.as_ref()
     }
 
-    /// Notes what ended the run, unless something did before.
+    /// Notes the failure that ended the run, unless one is noted already.
     pub fn set_failure(&mut self, failure: Failure) {
         self.failure.get_or_insert(failure);
     }
 
-    /// The same, taken out.
+    /// Takes out the failure that ended the run or will end it.
     pub const fn take_failure(&mut self) -> Option<Failure> {
         self.failure.take()
     }
@@ -442,7 +442,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         &self.projector
     }
 
-    /// The loop, for what sorts (its health) or changes nothing that is driven.
+    /// The loop, for work that sorts (its health) or changes nothing that is driven.
     pub const fn projector_mut(&mut self) -> &mut Projector {
         &mut self.projector
     }
@@ -457,22 +457,22 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         &mut self.display
     }
 
-    /// What happened, and the counts of it.
+    /// Recorder of the session: events, and their counts.
     pub const fn recorder(&mut self) -> &mut Recorder {
         &mut self.recorder
     }
 
-    /// Display end, loop and recorder at once: for what looks at all three.
+    /// Display end, loop and recorder at once.
     pub const fn all(&mut self) -> (&mut D, &mut Projector, &mut Recorder) {
         (&mut self.display, &mut self.projector, &mut self.recorder)
     }
 
-    /// Sensor end and recorder: for what looks on.
+    /// Sensor end and recorder, for views.
     pub const fn seen(&self) -> (&S, &Recorder) {
         (&self.skin, &self.recorder)
     }
 
-    /// The same, and how things are now.
+    /// Skin and recorder, and a look at the state now.
     pub const fn look(&self) -> (&S, &Recorder, Look<'_, D>) {
         let look = Look {
             display: &self.display,
@@ -492,7 +492,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.times.thin = thin;
     }
 
-    /// What updates came to on the actuator buses.
+    /// Counts of updates and channels that were written on the actuator buses, and of those that had no need.
     pub fn traffic(&mut self) -> Traffic {
         self.display.traffic()
     }

@@ -147,7 +147,7 @@ fn pressed(
 /// An emulated skin of any kind: boards on sensor buses, or whole scans of a skin that no bus carries.
 pub type EmulatedSkin = Box<dyn SkinEnd + Send>;
 
-/// Whether a scene's readings come without an emulated bus: over a network, or from a skin that no board sends.
+/// Tells whether a scene's readings come without an emulated bus: over a network, or from a skin that no board sends.
 pub fn is_array(setup: &Setup) -> bool {
     let modules = &setup.sensor.value.modules;
     setup.scene.value.stream.is_some() || modules.iter().all(|m| m.bus.is_none())

@@ -1,4 +1,4 @@
-//! The sensor end of a run: a skin whose virtual time the session moves, and what is known of its boards.
+//! The sensor end of a run: a skin whose virtual time the session moves, and facts about its boards.
 
 use core::fmt;
 
@@ -29,7 +29,7 @@ pub trait SkinEnd {
     /// Lets time pass until `now`.
     fn advance_to(&mut self, now: Instant);
 
-    /// Whether boards that go silent are here, to be told to send.
+    /// Tells whether boards that go silent can be told to send.
     fn has_boards(&self) -> bool {
         true
     }
@@ -55,7 +55,7 @@ pub trait SkinEnd {
         None
     }
 
-    /// Its buses, where they are emulated.
+    /// Reports of the skin's buses, where they are emulated.
     fn buses(&self) -> Vec<BusReport> {
         Vec::new()
     }
@@ -235,13 +235,13 @@ impl<B: CanEnd> SkinEnd for CanSkin<Tap<B>> {
     }
 }
 
-/// A bus that keeps what crosses it, in either direction, until it is taken away: as the host saw it, so that what
-/// a fault layer swallowed is not there, and what it garbled is garbled.
+/// A bus that keeps the frames that cross it, in either direction, until they are taken: as the host saw them, so
+/// without those that a fault layer swallowed, and garbled where it garbled them.
 #[derive(Debug)]
 pub struct Tap<B> {
     /// The bus.
     pub inner: B,
-    /// The time that what is sent gets.
+    /// Time that sent frames get.
     now: Instant,
     kept: Option<Vec<Received>>,
 }
@@ -256,7 +256,7 @@ impl<B> Tap<B> {
         }
     }
 
-    /// What crossed it since the last time.
+    /// Takes the frames that crossed the bus since the last time.
     pub fn take(&mut self) -> Vec<Received> {
         self.kept.as_mut().map(std::mem::take).unwrap_or_default()
     }

@@ -11,12 +11,12 @@ use crate::place::{Place, hand_of};
 use crate::plan;
 use crate::session::TICK;
 
-/// Whether two displays have a board in common.
+/// Tells whether two displays have a board in common.
 fn share(one: &Place, other: &Place) -> bool {
     one.boards.iter().any(|board| other.boards.contains(board))
 }
 
-/// Which fingers share boards, directly or through others: fingers of one such group have the same number.
+/// Group of each finger: fingers that share boards, directly or through others, have the same number.
 fn groups(places: &[&Place]) -> Vec<usize> {
     let mut groups: Vec<usize> = Vec::new();
     for (index, place) in places.iter().enumerate() {
@@ -30,7 +30,7 @@ fn groups(places: &[&Place]) -> Vec<usize> {
     groups
 }
 
-/// How long a bus is taken by a write of all channels of a display, in whole turns of the loop.
+/// Time that a write of all channels of a display takes a bus, in whole turns of the loop.
 fn write_time(places: &[&Place]) -> Duration {
     let most = places.iter().map(|p| p.wires).max().unwrap_or(0) as u64;
     let write = BusClock::Fast.write_time(1 + 4 * most.min(16));

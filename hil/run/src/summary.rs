@@ -1,4 +1,4 @@
-//! What a run came to, as the JSON object of `--json`.
+//! Summary of a run, the JSON object of `--json`.
 
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
@@ -29,7 +29,7 @@ use crate::texture_summary::TextureSummary;
 use crate::unit::UnitReport;
 use palpate_files::{Bench, Scene};
 
-/// How far over threshold what was felt is, and by whom: the headline.
+/// Felt level over threshold, and the person who felt it: the headline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct FeltSummary {
@@ -37,43 +37,44 @@ pub struct FeltSummary {
     pub person: String,
     /// The wires' file.
     pub preset: String,
-    /// Over the onsets with a contact inside the display; null where there was none.
+    /// Level over the onsets with a contact inside the display; null where there was none.
     pub level_db: Option<LevelDb>,
     pub error_energy_mm: Option<PathError>,
     pub error_amplitude_mm: Option<PathError>,
-    /// Null where no onset had a contact inside the display.
+    /// Onsets with a contact inside the display and a level below threshold; null where no onset had a contact there.
     pub breaks: Option<u64>,
-    /// By the energy centroid; null as breaks.
+    /// Jumps by the energy centroid; null as breaks.
     pub jumps: Option<u64>,
     /// Onsets that feel like taps.
     pub taps: u64,
-    /// The level that the scene asks for; null where it asks for none.
+    /// Level that the scene asks for; null where it asks for none.
     pub asked: Option<AskedLevel>,
-    /// What one wire at the limits lacks for this person to feel it, dB; null where something was felt, or would be.
+    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something was felt, or would
+    /// be.
     pub missing_db: Option<f64>,
-    /// Over all corners of what is not measured; null where nothing shows it.
+    /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
     pub band: Option<FeltBand>,
 }
 
-/// A level that a scene asks for, and what heat leaves of it: all in dB over the threshold that the loop believes.
+/// A level that a scene asks for, and the level that heat leaves: all in dB over the threshold that the loop believes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AskedLevel {
-    /// Of a contact at the top level.
+    /// Asked level of a contact at the top level.
     pub level_db: f64,
-    /// What ten minutes sustain of it on one wire, by the limits' arithmetic: moving over all wires.
+    /// Level that the limits sustain for ten minutes, by their arithmetic, of a contact that moves over all wires.
     pub moving_db: f64,
-    /// The same at rest.
+    /// Level that the limits sustain for ten minutes of a contact at rest on one wire.
     pub resting_db: f64,
     /// Onsets with a contact on the display.
     pub onsets: u64,
-    /// Of them, those that heat made weaker by more than a just noticeable difference.
+    /// Onsets that heat made weaker by more than a just noticeable difference.
     pub weaker: u64,
-    /// The least that was left.
+    /// The least level that was left.
     pub least_db: f64,
 }
 
 impl AskedLevel {
-    /// Of a run that is over.
+    /// Asked level of a run that is over; `None` where the scene asks for none.
     #[must_use]
     pub fn of(scene: &Scene, projector: &Projector) -> Option<Self> {
         let (level_db, renderer) = scene.illusion.level_db.zip(projector.renderer())?;
@@ -93,32 +94,32 @@ impl AskedLevel {
 /// Level over threshold, dB.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LevelDb {
-    /// Half of the onsets are weaker.
+    /// Level that half of the onsets lie below.
     pub median: f64,
-    /// One in twenty is.
+    /// Level that one onset in twenty lies below.
     pub p5: f64,
 }
 
-/// The same of what is felt, and where nothing is.
+/// Error of the felt place, with the onsets at which nothing was felt.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeltError {
     /// Root mean square, display mm, over the onsets inside the display; `None` where nothing was felt or no truth is known.
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
-    /// Onsets that both are over.
+    /// Onsets of both figures.
     pub onsets: u64,
-    /// The same over all onsets, with the contact inside the display or not.
+    /// Error over all onsets, with the contact inside the display or not.
     pub everywhere: Option<PathError>,
     /// Onsets with a contact inside the hull and a level below threshold; `None` where no onset had one.
     pub breaks: Option<u64>,
     /// Onsets at which the felt place went further than the contact by a step that can be felt; `None` as breaks.
     pub jumps: Option<u64>,
-    /// Which centroid says so.
+    /// Centroid by which a place was felt.
     pub perceiver: &'static str,
 }
 
-/// One of several displays.
+/// Summary of one of several displays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct DisplaySummary {
@@ -130,26 +131,26 @@ pub struct DisplaySummary {
     pub felt: FeltSummary,
     pub stimuli: u64,
     pub limiter_events: u32,
-    /// Null beyond the model.
+    /// Hottest skin, degrees C; null beyond the model.
     #[serde(serialize_with = "known_tissue")]
     pub hottest_skin_c: Option<f64>,
-    /// What is felt of textures there, where it has one.
+    /// Felt textures of the display, where the scene has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<TextureSummary>,
-    /// What of the supply's current is its own.
+    /// The display's part of the supply's current.
     pub supply_share_a: f64,
-    /// Times that it was switched off for a cause of its own.
+    /// Times that the display was switched off for a cause of its own.
     pub stops: u64,
-    /// What ended it before the run.
+    /// Failure that ended the display before the run.
     pub failure: Option<String>,
 }
 
 /// Energy of all wires together over one wire's, dB, over the onsets inside the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDb {
-    /// The deepest dip.
+    /// Lowest energy.
     pub min: f64,
-    /// The highest.
+    /// Highest energy.
     pub max: f64,
 }
 
@@ -175,7 +176,7 @@ pub struct Taxels {
     pub saturated: u32,
     /// Taxels that jump.
     pub jumping: u32,
-    /// Of the dead ones, those of which nothing ever came.
+    /// Dead taxels that never sent a reading.
     pub never_seen: u32,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
@@ -188,16 +189,16 @@ pub struct Taxels {
 /// A taxel that is left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IllTaxel {
-    /// Its module, zero-based.
+    /// Module of the taxel, zero-based.
     pub module: usize,
-    /// Its number there, zero-based.
+    /// Number of the taxel in its module, zero-based.
     pub taxel: usize,
-    /// frozen, dead, saturated or jumping; never-seen for a dead one of which nothing ever came.
+    /// frozen, dead, saturated or jumping; never-seen for a dead one that never sent a reading.
     pub condition: &'static str,
 }
 
 impl Taxels {
-    /// Of several fingers, each with its modules' numbers in the skin.
+    /// Sums several fingers, each with the skin's numbers of its modules.
     pub(crate) fn joined<'a>(parts: impl Iterator<Item = (&'a [usize], &'a Self)> + Clone) -> Self {
         let mut sum = Self::default();
         let mut rates: Vec<(usize, Vec<f32>)> = Vec::new();
@@ -226,7 +227,7 @@ impl Taxels {
         sum
     }
 
-    /// Fills in what is known of every single taxel at `now`.
+    /// Lists every single taxel's condition and rate at `now`.
     fn list(&mut self, projector: &Projector, now: Instant) {
         let (layout, monitor) = (projector.layout(), projector.monitor());
         for (module, m) in layout.modules().iter().enumerate() {
@@ -257,13 +258,13 @@ impl Taxels {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct Summary {
-    /// How the run ended, and why.
+    /// End of the run, and its reason.
     #[serde(flatten)]
     pub conclusion: Conclusion,
     pub source: Source,
     /// Version of the program.
     pub version: &'static str,
-    /// When it was made, UTC; null where no clock says so.
+    /// Time at which the summary was made, UTC; null where no clock says so.
     pub date: Option<String>,
     pub scene: String,
     pub bench: String,
@@ -272,7 +273,7 @@ pub struct Summary {
     pub contacts: u64,
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
-    /// From a taxel to the next on the skin that drives; null for a single taxel.
+    /// Distance between neighbouring taxels on the skin that drives; null for a single taxel.
     pub pitch_mm: Option<f64>,
     pub onsets: Onsets,
     pub felt: FeltSummary,
@@ -280,24 +281,24 @@ pub struct Summary {
     pub felt_error_amplitude_mm: FeltError,
     pub requested_energy_db: Option<EnergyDb>,
     pub applied_energy_db: Option<EnergyDb>,
-    /// What flowed, as the filter of a person's skin lets it through.
+    /// Energy of the currents after the filter of a person's skin.
     pub felt_energy_db: Option<EnergyDb>,
-    /// Null on a real bench, which does not measure it.
+    /// Energy, mJ; null on a real bench, which does not measure it.
     pub energy_mj: Option<f64>,
-    /// Null on a real bench.
+    /// Largest supply current, A; null on a real bench.
     pub peak_supply_a: Option<f64>,
-    /// Null where nothing measures it, and beyond the model.
+    /// Hottest wire, degrees C; null where nothing measures it, and beyond the model.
     #[serde(serialize_with = "known_wire")]
     pub hottest_wire_c: Option<f64>,
-    /// Null as the wire's.
+    /// Hottest skin, degrees C; null as the wire's.
     #[serde(serialize_with = "known_tissue")]
     pub hottest_skin_c: Option<f64>,
-    /// How long the run may be done over and over until a wire's dose is used up, as the guard counts; null where that takes
-    /// a day or more, or nothing was driven.
+    /// Longest time for which the run may be repeated until a wire's dose is used up, as the guard counts; null where
+    /// that takes a day or more, or nothing was driven.
     pub longest_session_s: Option<f64>,
     pub pwm_hz: f64,
     pub limiter_events: u32,
-    /// Null where no texture was felt.
+    /// Felt textures; null where none was felt.
     pub texture: Option<TextureSummary>,
     pub frame_us: Option<FrameTime>,
     pub taxels: Taxels,
@@ -305,17 +306,17 @@ pub struct Summary {
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
     pub margins: Vec<Margin>,
-    /// Several displays; left out for one.
+    /// Summaries of several displays; left out for one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub displays: Vec<DisplaySummary>,
-    /// A driver unit and its link; left out where the host has the boards.
+    /// Report of a driver unit and its link; left out where the host has the boards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<UnitReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heat: Option<HeatReport>,
-    /// How a real run kept its time; null for an emulated one.
+    /// Lateness of a real run's turns; null for an emulated one.
     pub pacing: Option<Pacing>,
-    /// The CAN interfaces of a real run.
+    /// Reports of the CAN interfaces of a real run.
     pub can: Vec<CanReport>,
     /// Frames that a record lacks because the disk did not follow.
     pub frames_not_recorded: u64,
@@ -338,7 +339,7 @@ fn known_tissue<S: Serializer>(celsius: &Option<f64>, to: S) -> Result<S::Ok, S:
 }
 
 impl FeltSummary {
-    /// Of a run whose errors by both centroids are known.
+    /// Headline of a run from its errors by both centroids.
     fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
         let level = path.level();
         let decibels = |mdb: i32| f64::from(mdb) * 1e-3;
@@ -365,8 +366,8 @@ impl FeltSummary {
     }
 }
 
-/// What a session came to, as trace and summary, from what it recorded until `end`. What only one kind of bench
-/// knows is left for its run to fill in: the hardware's totals where it is emulated, its pacing where it is real.
+/// Trace and summary of a session, from its records until `end`. Fields that only one kind of bench knows are left for
+/// its run to fill in: the hardware's totals where it is emulated, its pacing where it is real.
 pub fn finished<S: SkinEnd, D: DisplayEnd>(
     session: &mut Session<S, D>,
     header: Header,
@@ -449,7 +450,7 @@ impl Summary {
             path_error_mm: path,
             pitch_mm: None,
             onsets: Onsets {
-                // Where a person is emulated, what was not met was not felt.
+                // Where a person is emulated, an onset that was not met was not felt.
                 felt: emulated.then(|| recorder.met.felt.unwrap_or(0)),
                 ..recorder.met
             },

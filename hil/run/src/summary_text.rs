@@ -1,4 +1,4 @@
-//! Everything that a run came to, in lines for people.
+//! The summary of a run in lines for people.
 
 use std::io::{self, Write};
 
@@ -23,7 +23,7 @@ fn short(v: f64) -> String {
     }
 }
 
-/// A count of things.
+/// Words of a count of things.
 fn counted(count: u64, one: &str) -> String {
     match count {
         0 => format!("no {one}"),
@@ -32,7 +32,7 @@ fn counted(count: u64, one: &str) -> String {
     }
 }
 
-/// A count behind a comma; nothing where nothing was measured.
+/// Words of a count behind a comma; empty where nothing was measured.
 fn and_counted(count: Option<u64>, one: &str) -> String {
     count.map_or_else(String::new, |n| format!(", {}", counted(n, one)))
 }
@@ -86,7 +86,7 @@ impl AskedLevel {
 }
 
 impl FeltBand {
-    /// The corners in one line.
+    /// Line of the corners.
     fn line(&self) -> Line {
         let [low, high] = self.level_db;
         let error = self.error_mm.map_or(String::new(), |[low, high]| {
@@ -112,7 +112,7 @@ impl FeltBand {
 }
 
 impl DisplaySummary {
-    /// What it came to; the worst of all displays stands in the lines before.
+    /// Line of this display; the lines before it tell the worst of all displays.
     fn line(&self) -> Line {
         let end = match (&self.failure, self.stops) {
             (Some(failure), _) => format!("; ENDED: {failure}"),
@@ -151,7 +151,7 @@ fn line(name: &str, value: String) -> Line {
 }
 
 impl Summary {
-    /// Every figure for a person: some dozen lines, without the verdict.
+    /// Writes every figure for a person: some dozen lines, without the verdict.
     ///
     /// # Errors
     /// Errors of the stream.
@@ -176,7 +176,7 @@ impl Summary {
         Ok(())
     }
 
-    /// Contacts, and where they are felt.
+    /// Lines of the contacts, and of the places where they are felt.
     fn felt_lines(&self) -> Vec<Line> {
         let mut lines = vec![
             match self.source.is_emulated() {
@@ -202,7 +202,7 @@ impl Summary {
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));
         lines.push(line("felt error", self.felt_error_mm.words()));
-        // The other reading of the literature.
+        // Error by the other centroid of the literature.
         lines.push(line("", self.felt_error_amplitude_mm.words()));
         let all = [
             (&self.requested_energy_db, "requested"),
@@ -220,7 +220,7 @@ impl Summary {
         lines
     }
 
-    /// Stimuli, and what they did to wires and tissue.
+    /// Lines of the stimuli, and of the heat in wires and tissue.
     fn heat_lines(&self) -> Vec<Line> {
         let stimuli = format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz);
         let mut lines = vec![line("stimuli", stimuli)];
@@ -273,7 +273,7 @@ impl Summary {
         format!("{long} of this, then a wire's dose runs out")
     }
 
-    /// Computing time, taxels, buses, records and faults.
+    /// Lines of computing time, taxels, buses, records and faults.
     fn hardware_lines(&self) -> Vec<Line> {
         let frame = self.frame_us.as_ref().map_or("-".into(), |t| {
             format!("{:.1} us median, {:.1} us p99", t.median, t.p99)

@@ -1,4 +1,4 @@
-//! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
+//! Answers of a run to hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
 use palpate_core::driver::Driver;
 use palpate_core::projector::Projector;
@@ -10,20 +10,20 @@ use crate::failure::Failure;
 use crate::recorder::Recorder;
 use crate::skin_end::SkinEnd;
 
-/// A board that is silent for this long is told to start again.
+/// Silence after which a board is told to start again.
 const SILENT: Duration = Duration::from_millis(200);
-/// How often silent boards are looked for.
+/// Time between two looks for silent boards.
 const ROUND: Duration = Duration::from_millis(100);
 
 /// Watches both buses of a run.
 #[derive(Debug)]
 pub struct Supervisor {
-    /// An actuator bus that is dead for this long ends the run.
+    /// Time for which an actuator bus may be dead before the run ends.
     give_up: Duration,
-    /// Since when the actuator bus is lost, and its last error.
+    /// Time at which the actuator bus was lost, and its last error.
     lost: Option<(Instant, String)>,
     retries: u64,
-    /// Since when the guard's latch is closed.
+    /// Time at which the guard's latch closed.
     stopped: Option<Instant>,
     next_round: Instant,
     /// Boards that are silent, by module.
@@ -31,7 +31,7 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// One that waits this long for a dead actuator bus.
+    /// A supervisor that waits `give_up` for a dead actuator bus.
     pub const fn new(give_up: Duration) -> Self {
         Self {
             give_up,
@@ -43,14 +43,14 @@ impl Supervisor {
         }
     }
 
-    /// The actuator bus failed. Outputs were cut through the chips' OE line, which needs no bus, where there is one: `cut`
-    /// says so.
+    /// Takes the actuator bus as lost, and notes it. Outputs were cut through the chips' OE line, which needs no bus,
+    /// where there is one: the words `cut` tell it.
     pub fn lose(&mut self, now: Instant, error: &str, cut: &str, events: &mut Vec<Event>) {
         self.lost = Some((now, error.to_string()));
         note(events, now, format!("actuators: {error}; {cut}"));
     }
 
-    /// Whether the actuator bus is lost.
+    /// Tells whether the actuator bus is lost.
     pub const fn is_lost(&self) -> bool {
         self.lost.is_some()
     }

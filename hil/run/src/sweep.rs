@@ -1,5 +1,5 @@
-//! Many runs: the grid of what is varied, and a run as a row of a table. Every process computes the same row, so
-//! a program, another language or a cluster can share a grid.
+//! Many runs: a grid over keys and seeds, and a run as a row of a table. Every process computes the same row, so a
+//! program, another language or a cluster can share a grid.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ const MOST: usize = 10_000_000;
 pub struct Axis {
     /// A key of the scene, or after `bench.` one of the bench.
     pub key: String,
-    /// Its values, as [`Overrides`] take them.
+    /// Values of the key, as [`Overrides`] take them.
     pub values: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of these.
+    /// A grid of these axes and seeds.
     ///
     /// # Errors
     /// [`Failure::Input`] for an axis without values, a key, value (by number) or seed that is there twice, and too many
@@ -72,7 +72,7 @@ impl Grid {
         }
     }
 
-    /// What is varied.
+    /// Axes of the grid.
     pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
@@ -82,7 +82,7 @@ impl Grid {
         &self.seeds
     }
 
-    /// How many combinations of values there are.
+    /// Number of combinations of values.
     pub fn combinations(&self) -> usize {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
@@ -100,7 +100,7 @@ impl Grid {
     }
 }
 
-/// A scene on a bench with a combination's values, checked, and what tells its runs from others.
+/// A checked scene on a bench with a combination's values, and the key of its runs.
 #[derive(Clone, Debug)]
 pub struct Variant {
     setup: Setup,
@@ -109,7 +109,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// With these values in place of the files' own.
+    /// A variant with these values in place of the files' own.
     ///
     /// # Errors
     /// [`Failure`] for a key or value that cannot be, what fits no loop, and a bench of hardware.
@@ -132,7 +132,7 @@ impl Variant {
         Ok(Self { setup, key })
     }
 
-    /// What tells its run with this seed from all others.
+    /// Key that tells the run with this seed from all others.
     pub fn key(&self, seed: u64) -> RunKey {
         RunKey {
             seed,
@@ -140,7 +140,7 @@ impl Variant {
         }
     }
 
-    /// The run with this seed as a row. Only what every machine computes alike is in it.
+    /// The run with this seed as a row. It holds only figures that every machine computes alike.
     ///
     /// # Errors
     /// [`Failure`] for what cannot run at all; a run that fails is a row.

@@ -1,4 +1,4 @@
-//! What an emulated skin sent, kept from the pass that finds the intensity levels for the pass that counts.
+//! Frames of an emulated skin, kept from the pass that finds the intensity levels for the pass that counts.
 //!
 //! Boards that get no commands send the same frames at the same times in both passes, so the second
 //! need not emulate them again. Where that does not hold, a scene with faults or a loop that wants to talk
@@ -13,12 +13,12 @@ use palpate_emulators::time::Nanos;
 use super::boards::{self, BusReport};
 use super::skin_end::CanEnd;
 
-/// Frames that a tape holds at most, 24 bytes each ([`Kept`]): three minutes of a hand of 240 taxels at 100 Hz. What is
-/// longer is emulated twice.
+/// Frames that a tape holds at most, 24 bytes each ([`Kept`]): three minutes of a hand of 240 taxels at 100 Hz. A
+/// longer run is emulated twice.
 const LIMIT: usize = 1 << 22;
 
-/// A frame with the moment from which it can be received. What a host receives is made of it: as kept, a frame takes a
-/// quarter less memory, and fresh memory is what a tape costs.
+/// A frame with the moment from which it can be received. The host's form is made from it: a kept frame takes a quarter
+/// less memory, and fresh memory is the cost of a tape.
 #[derive(Clone, Copy)]
 struct Kept {
     at: Nanos,
@@ -42,11 +42,11 @@ impl Kept {
 pub struct Tape {
     skin: Handle,
     frames: Vec<Kept>,
-    /// The next frame to hand on.
+    /// Index of the next frame to hand on.
     next: usize,
     records: bool,
     now: Nanos,
-    /// Whether the frames are all that the skin sent, and would be sent again.
+    /// `true` while the frames are all that the skin sent, and would be sent again.
     exact: bool,
 }
 
@@ -63,18 +63,18 @@ impl Tape {
         }
     }
 
-    /// Plays from the start what came until `end`.
+    /// Plays the frames until `end` from the start.
     pub fn rewind(&mut self, end: Instant) {
         self.skin.advance(Nanos::from(end));
         (self.next, self.records, self.now) = (0, false, Nanos::ZERO);
     }
 
-    /// Whether something was recorded, and what was played is what emulated boards would have sent.
+    /// Tells whether the tape has frames, and emulated boards would have sent the same.
     pub const fn is_exact(&self) -> bool {
         self.exact && !self.frames.is_empty()
     }
 
-    /// Takes down what the skin has sent.
+    /// Takes down the frames that the skin has sent.
     fn record(&mut self) {
         if self.frames.len() >= LIMIT && self.next == self.frames.len() {
             self.exact = false;
@@ -123,7 +123,7 @@ impl CanBus for Tape {
         Ok(())
     }
 
-    /// Nothing is sent: from here on boards would do something else than they did.
+    /// Sends nothing, and marks the tape as inexact: boards that got the frame would do something else than they did.
     fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), HostError> {
         self.exact = false;
         Ok(())

@@ -12,8 +12,8 @@ use crate::skin;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;
 
-/// One table per module, as long as the scene. Its touches and noise are in them, its faults are not. `passed` hears
-/// the part that is done, 0 to 1.
+/// One table per module, as long as the scene. The tables have the scene's touches and noise, without its faults.
+/// `passed` takes the part that is done, 0 to 1.
 ///
 /// # Errors
 /// [`Failure::Input`] for a layout whose modules no emulated board can carry.
@@ -42,7 +42,7 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
     Ok(tables)
 }
 
-/// Fills the tables with the taxels that are read, of so many axes, until the scene ends.
+/// Fills the tables with readings of so many axes until the scene ends.
 fn read(
     setup: &Setup,
     source: &mut dyn SkinEnd,

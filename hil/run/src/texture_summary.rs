@@ -1,4 +1,4 @@
-//! What was felt of textures, as a summary has it.
+//! Felt textures of a run, for its summary.
 
 use palpate_core::projector::Projector;
 use palpate_files::{Setup, TextureModel};
@@ -11,7 +11,7 @@ fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
-/// What was felt of a texture.
+/// Figures of a felt texture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureSummary {
     /// Windows that went through the network and were felt.
@@ -23,13 +23,13 @@ pub struct TextureSummary {
     /// Taps of the surface, met or left; left out for none.
     #[serde(skip_serializing_if = "is_zero")]
     pub taps: u64,
-    /// What of the surface lies outside what the model learned; left out for nothing.
+    /// Properties of the surface outside the range that the model learned; left out for none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub extrapolated: Vec<String>,
 }
 
 impl TextureSummary {
-    /// Of the windows that a recorder saw.
+    /// Summary of the windows that a recorder saw; `None` for no window.
     pub(crate) fn of(recorder: &Recorder, projector: &Projector) -> Option<Self> {
         let (windows, rough_permille) = recorder.windows;
         (windows > 0).then(|| Self {
@@ -41,7 +41,7 @@ impl TextureSummary {
         })
     }
 
-    /// Beside it what of the scene's surface its model never learned.
+    /// Adds the properties of the scene's surface that its model never learned.
     ///
     /// # Errors
     /// A model that cannot be read again.
@@ -54,13 +54,13 @@ impl TextureSummary {
         Ok(())
     }
 
-    /// The properties of the surface that lie outside of what the model learned; none where it knows them all.
+    /// Words of the properties of the surface outside the model's range; `None` where it knows them all.
     pub(crate) fn unknown(&self) -> Option<String> {
         let all = self.extrapolated.join(", ");
         (!all.is_empty()).then(|| format!("EXTRAPOLATED: {all}"))
     }
 
-    /// In one line.
+    /// Words of the figures, in one line.
     pub(crate) fn words(&self) -> String {
         let rested = match self.rested_pulses {
             0 => String::new(),

@@ -28,20 +28,20 @@ use crate::plan;
 /// The key of an emulated unit, none of whose datagrams leaves the process.
 const KEY: [u8; 32] = [0x5A; 32];
 
-/// What came of a driver unit and its link.
+/// Counts of a driver unit and its link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct UnitReport {
-    /// Stimuli that it began.
+    /// Stimuli that the unit began.
     pub begun: u32,
-    /// Of them, those that its own guard changed or refused.
+    /// Stimuli that the unit's own guard changed or refused.
     pub limited: u32,
-    /// Stimuli that it left out: too late, after too old a reading, while stopped.
+    /// Stimuli that the unit left out: too late, after too old a reading, while stopped.
     pub dropped: u32,
-    /// The latest beginning after its time, microseconds.
+    /// Largest lateness of a beginning, microseconds.
     pub late_us: u32,
-    /// Times that it stopped by itself.
+    /// Times that the unit stopped by itself.
     pub stops: u32,
-    /// Datagrams that it refused.
+    /// Datagrams that the unit refused.
     pub refused: u32,
     /// Commands sent.
     pub commands: u64,
@@ -54,7 +54,7 @@ pub struct UnitReport {
 }
 
 impl UnitReport {
-    /// In a line.
+    /// Words of the report, in a line.
     #[must_use]
     pub fn words(&self) -> String {
         format!(
@@ -71,16 +71,16 @@ impl UnitReport {
     }
 }
 
-/// A Peltier module and what a unit regulates it with.
+/// A Peltier module, and the regulator that a unit uses for it.
 pub(crate) type Lent = (PeltierHandle, Regulator);
 
-/// A unit and what the host knows of it.
+/// A unit, and the host's state of its link.
 pub struct RemoteUnit {
     driver: UnitDriver,
     air: EmulatedUnit<Shared<I2cHandle>, OeLine, PeltierHandle>,
     profile: Profile,
     boards: u8,
-    /// The newest reading of the skin.
+    /// Time of the newest reading of the skin.
     reading: Option<Instant>,
     now: Instant,
     state: State,
@@ -138,17 +138,18 @@ impl RemoteUnit {
         })
     }
 
-    /// When something happens on its side, if that is before `now`.
+    /// Time of the next event on the unit's side, if that is before `now`.
     pub fn due(&self, now: Nanos) -> Option<Nanos> {
         Some(self.air.next()).filter(|at| *at < now)
     }
 
-    /// Its program runs at `at`, where its boards have been advanced to; what lands at the host is heard.
+    /// Runs the unit's program at `at`, where its boards have been advanced to; datagrams that reach the host are
+    /// heard.
     pub fn run(&mut self, at: Nanos, events: &mut Vec<Event>) {
         self.air.run(at);
         let heard = Instant::from_micros(at.as_micros());
         while let Some(mut datagram) = self.air.hear(at) {
-            // What is refused is counted.
+            // Refused datagrams are counted.
             let _ = self.driver.hear(heard, &mut datagram);
         }
         self.now = self.now.max(heard);
@@ -165,7 +166,7 @@ impl RemoteUnit {
         }
     }
 
-    /// Sends what is due at `now`, with the time of the newest reading.
+    /// Sends the commands that are due at `now`, with the time of the newest reading.
     pub fn tell(&mut self, now: Instant, reading: Option<Instant>) {
         self.now = now;
         self.reading = reading.or(self.reading);
@@ -196,7 +197,7 @@ impl RemoteUnit {
         self.air.set_profile(profile);
     }
 
-    /// What came of it.
+    /// Report of unit and link so far.
     pub fn report(&self) -> UnitReport {
         let (counts, link) = (self.air.unit().counts(), self.driver.counts());
         UnitReport {
@@ -252,7 +253,7 @@ impl Driver for RemoteUnit {
     }
 }
 
-/// In place of the line that cuts outputs: the host of a unit has none.
+/// Stands in for the line that cuts outputs: the host of a unit has none.
 pub struct NoLine;
 
 impl OutputEnable for NoLine {
@@ -268,7 +269,7 @@ impl OutputEnable for NoLine {
     }
 }
 
-/// What drives the boards of an emulated bench.
+/// Driver of an emulated bench's boards.
 pub enum EmulatedDriver {
     /// The host itself.
     Wired(Banks<Shared<I2cHandle>>),
@@ -277,7 +278,7 @@ pub enum EmulatedDriver {
 }
 
 impl EmulatedDriver {
-    /// What a bench has: a unit, or nothing between the host and its boards.
+    /// Driver of a bench: its unit, or the host itself.
     ///
     /// # Errors
     /// [`Failure::Input`] for what no unit can be.

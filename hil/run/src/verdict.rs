@@ -1,5 +1,5 @@
-//! The verdict on a run: a limit that was passed, what failed or stopped it, what never came, what was not felt; and why
-//! nothing was driven, where nothing was.
+//! The verdict on a run: a limit that was passed, a failure or stop, missing data, contacts that were not felt; and the
+//! reason where nothing was driven.
 
 use palpate_core::contact::Scope;
 use palpate_files::{Scene, Setup, SkinModule};
@@ -13,14 +13,14 @@ use crate::{Failure, Outcome};
 /// Modules and boards named one by one.
 const NAMED: usize = 3;
 
-/// A level that lacks less than this is had, dB: the arithmetic is no nearer.
+/// Shortfall below which a level counts as reached, dB: the arithmetic is no nearer.
 const NEAR_DB: f64 = 0.5;
 
-/// What the note of a run begins with that a person ended; a signal or the person follows.
+/// Beginning of the note of a run that a person ended; a signal or the person follows.
 pub(crate) const STOPPED_BY: &str = "stopped by ";
 
 impl Outcome {
-    /// With its verdict. `replayed` is whether a recording drove the run, not the scene's touches.
+    /// Adds the verdict. `replayed` tells whether a recording drove the run, not the scene's touches.
     #[must_use]
     pub fn concluded(mut self, setup: &Setup, replayed: bool) -> Self {
         let scene = &setup.scene.value;
@@ -68,7 +68,7 @@ impl Outcome {
     }
 }
 
-/// A level that the limits do not bear for a session, with the one that they do.
+/// Words for a level that the limits do not bear for a session, with the one that they do.
 fn unsustained(asked: &AskedLevel) -> Option<String> {
     let AskedLevel {
         level_db,
@@ -114,7 +114,7 @@ fn missing(summary: &Summary, conclusion: &mut Conclusion) {
     );
 }
 
-/// Temperatures beyond what the model knows, and since when.
+/// Adds temperatures beyond the model, with their time.
 fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
     let passed = [
         ("a wire", summary.hottest_wire_c, model::WIRE_C),
@@ -182,7 +182,7 @@ fn unfelt(summary: &Summary, conclusion: &mut Conclusion) {
     }
 }
 
-/// From a taxel to the next on the modules that drive.
+/// Distance between neighbouring taxels on the modules that drive.
 fn pitch_mm(setup: &Setup) -> Option<f64> {
     let scene = &setup.scene.value;
     let fingers = setup.fingers.iter();
@@ -200,7 +200,7 @@ fn pitch_mm(setup: &Setup) -> Option<f64> {
     modules.filter_map(SkinModule::pitch_mm).reduce(f64::min)
 }
 
-/// Why no wire was driven where nothing was to be felt.
+/// Reason for which no wire was driven where nothing was meant to be felt.
 fn undriven(summary: &Summary, scene: &Scene, replayed: bool) -> &'static str {
     if summary.frames == 0 {
         return "the run ended before there was a reference to hold readings against";

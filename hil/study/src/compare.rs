@@ -1,14 +1,15 @@
-//! Whether two groups of people rated differently.
+//! Tests of whether two groups of people rated differently.
 
 use statrs::stats_tests::Alternative;
 use statrs::stats_tests::mannwhitneyu::{MannWhitneyUMethod, mannwhitneyu};
 
-/// A difference is found where its probability by chance is below this.
+/// Probability by chance below which a difference counts as found.
 pub(crate) const LEVEL: f64 = 0.05;
 
 /// Mann and Whitney's U of the second group, and the probability of a difference at least as large if there is none:
-/// two-sided, by the normal approximation with ties and continuity, and never below what so few people can show. One value per
-/// person. `None` where a group is empty or a value is not a number; where all values are equal there is no difference.
+/// two-sided, by the normal approximation with ties and continuity, and never below the least that so few people can
+/// have. One value per person. `None` where a group is empty or a value is not a number; where all values are equal
+/// there is no difference.
 pub(crate) fn test(first: &[f64], second: &[f64]) -> Option<(f64, f64)> {
     let method = MannWhitneyUMethod::AsymptoticInclContinuityCorrection;
     let (u, p) = mannwhitneyu(second, first, method, Alternative::TwoSided).ok()?;

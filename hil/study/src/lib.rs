@@ -1,4 +1,4 @@
-//! Studies with people: what comes next and at which level, what is kept, what answers say, and people who are simulated.
+//! Studies with people: order and levels of trials, records, analysis of the answers, and people who are simulated.
 //!
 //! Nothing here knows a bench, a clock or a page: trials go out, answers come in. The methods are published ones and are
 //! held against published implementations of them, trial by trial.

@@ -1,4 +1,4 @@
-//! A simulated participant: what is drawn for them, and how they answer a trial.
+//! A simulated participant: the draws for them, and their answers to trials.
 
 use std::collections::BTreeMap;
 
@@ -14,24 +14,24 @@ pub type Path = Vec<[f64; 3]>;
 
 /// Time between two points of a pen, ms: 120 Hz.
 const PEN_MS: f64 = 1000.0 / 120.0;
-/// How long a hand remembers that it was beside its line, s.
+/// Time constant of a hand's wander beside its line, s.
 const WANDER_S: f64 = 0.2;
-/// How long a break lasts, ms.
+/// Duration of a break, ms.
 const BREAK_MS: f64 = 250.0;
 
-/// What a person meets.
+/// Display and paths that a person meets.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Known {
-    /// Where the display's wires lie, mm.
+    /// Places of the display's wires, mm.
     pub wires_mm: Vec<[f64; 2]>,
-    /// Where each condition's path goes.
+    /// Path of each condition.
     pub paths: BTreeMap<String, Path>,
 }
 
 /// A simulated participant.
 #[derive(Debug, Clone)]
 pub struct Person {
-    /// Their number, from 1 on.
+    /// Number of the participant, from 1 on.
     number: u32,
     seed: u64,
     /// Psychometric functions by task whose levels follow from answers, one per wire.
@@ -71,7 +71,7 @@ impl Person {
             let own = drawn(people.threshold_db, random);
             let (slope, lapse) = (drawn(people.slope, random), people.lapse * random.uniform());
             let of_wire = |_: &u16| Psychometric {
-                // A level beyond what a wire can do has no threshold there to be found.
+                // A level beyond a wire's range has no threshold there to be found.
                 threshold: (own + people.wire_sd_db * random.normal()).clamp(LEAST_DB + 2.0, -2.0),
                 slope: slope.max(0.5),
                 guess: GUESS,
@@ -123,8 +123,8 @@ impl Person {
         person
     }
 
-    /// What they say to a step; `None` once the session is over. The same step gets the same reply, however often the
-    /// session was begun again.
+    /// Reply of the person to a step; `None` once the session is over. The same step gets the same reply, however often
+    /// the session was begun again.
     #[must_use]
     pub fn reply(&self, protocol: &Protocol, step: &Step, known: &Known) -> Option<Reply> {
         Some(match step {
@@ -220,7 +220,7 @@ impl Person {
         });
         let begun = path[0][0];
         let lasts_ms = 1e3 * (path[path.len() - 1][0] - begun);
-        // As a process with a memory: what is left after a step, and what comes new.
+        // As a process with a memory: the part that is left after a step, and a new part.
         let left = libm::exp(-PEN_MS * 1e-3 / WANDER_S);
         let new = libm::sqrt(1.0 - left * left);
         let mut off = [0, 1].map(|_| noise * random.normal());
@@ -252,7 +252,7 @@ impl Person {
     }
 }
 
-/// The condition that a trial plays first.
+/// Condition that a trial plays first.
 fn condition(trial: &Trial) -> Option<&str> {
     trial.intervals.iter().find_map(|stimulus| match stimulus {
         Stimulus::Condition(name) => Some(name.as_str()),

@@ -1,4 +1,4 @@
-//! How often a stimulus is felt, by its level: the Weibull function on a scale of decibels.
+//! Probability of a felt stimulus, by its level: the Weibull function on a scale of decibels.
 
 /// A psychometric function: the probability of a correct answer by the level of the stimulus.
 ///
@@ -23,7 +23,7 @@ impl Psychometric {
         1.0 - self.lapse - (1.0 - self.guess - self.lapse) * libm::exp(-strength)
     }
 
-    /// How far from the threshold half of the way is gone, dB.
+    /// Distance from the threshold to the middle between guessing and certainty, dB.
     pub(crate) fn halfway(&self) -> f64 {
         20.0 / self.slope * libm::log10(core::f64::consts::LN_2)
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::psychometric::Psychometric;
 
-/// What QUEST+ may ask and what it holds for possible, each in rising order.
+/// Levels, thresholds and slopes of QUEST+, each in rising order, and its fixed parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuestDomain {
     /// Levels of a stimulus, dB.
@@ -25,11 +25,11 @@ pub struct QuestDomain {
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The number; of a threshold the mean of what is held for possible.
+    /// The number; for a threshold the mean of the posterior.
     pub value: f64,
-    /// 2.5 % of what is held for possible, or of samples drawn anew, lie below.
+    /// 2.5 % of the posterior, or of samples drawn anew, lie below.
     pub low: f64,
-    /// 2.5 % lie above.
+    /// 2.5 % of the posterior, or of samples drawn anew, lie above.
     pub high: f64,
 }
 
@@ -38,9 +38,9 @@ pub struct Estimate {
 #[derive(Debug, Clone)]
 pub struct Quest {
     domain: QuestDomain,
-    /// Of each level and each threshold with each slope: probability of a correct answer and the entropy of the answer, nats.
+    /// Probability of a correct answer and negative entropy of the answer, nats, by level and by threshold with slope.
     likelihoods: Vec<Vec<(f64, f64)>>,
-    /// Of each threshold with each slope; sums to one.
+    /// Posterior probability of each threshold with each slope; sums to one.
     posterior: Vec<f64>,
 }
 
@@ -49,7 +49,8 @@ fn times_log(p: f64) -> f64 {
     if p > 0.0 { p * libm::log(p) } else { 0.0 }
 }
 
-/// How far above [`Psychometric::threshold`] so much of the way is gone, dB.
+/// Distance above [`Psychometric::threshold`] at which the part `part` of the way from guessing to certainty is gone,
+/// dB.
 fn way(part: f64, slope: f64) -> f64 {
     20.0 / slope * libm::log10(-libm::log(1.0 - part))
 }
@@ -81,8 +82,8 @@ impl Quest {
         }
     }
 
-    /// Entropy of what will be held for possible after a trial at this level, nats, up to what all levels share:
-    /// the entropy of the answer given the truth, less that of the answer.
+    /// Expected entropy of the posterior after a trial at this level, nats, up to a constant of all levels: the entropy
+    /// of the answer given the truth, less that of the answer.
     fn expected_entropy(&self, likelihoods: &[(f64, f64)]) -> f64 {
         let (mut correct, mut known) = (0.0, 0.0);
         for (held, (likely, answer)) in self.posterior.iter().zip(likelihoods) {
@@ -126,8 +127,8 @@ impl Quest {
         }
     }
 
-    /// The threshold, dB, with its interval: between two thresholds of the domain what is held for possible is taken to be
-    /// spread evenly.
+    /// The threshold, dB, with its interval: between two thresholds of the domain the posterior is taken to be spread
+    /// evenly.
     pub fn threshold(&self) -> Estimate {
         let slopes = self.domain.slopes.len();
         let marginal: Vec<f64> = self
@@ -145,7 +146,7 @@ impl Quest {
     }
 }
 
-/// Where so much of what is held for possible lies below; each place stands for itself and half the way to its neighbours.
+/// Quantile `part` of a distribution over places; each place stands for itself and half the way to its neighbours.
 fn quantile(places: &[f64], held: &[f64], part: f64) -> f64 {
     let last = places.len() - 1;
     let mut below = 0.0;

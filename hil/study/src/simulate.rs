@@ -1,5 +1,5 @@
-//! A protocol answered by simulated people, whose truth is known: how well it is found again, and how many people a
-//! difference needs.
+//! A protocol answered by simulated people, whose truth is known: the errors of its estimates, and the number of people
+//! that a difference needs.
 
 use std::collections::BTreeMap;
 
@@ -15,31 +15,31 @@ use crate::people::{Known, Person, drawn};
 use crate::quest::Estimate;
 use crate::session::{Answer, Reply, Session, Step, Stimulus};
 
-/// Studies of which the share that finds a difference is counted.
+/// Studies of which the share with an effect is counted.
 const STUDIES: u64 = 1000;
-/// The share of studies that shall find a difference that is there.
+/// Share of studies that shall find a true difference.
 const POWER: f64 = 0.8;
-/// Most people that are tried for it.
+/// Most people for whom that share is tried.
 const MOST_PEOPLE: u32 = 1000;
 
-/// What cannot be simulated.
+/// Errors of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
-    /// Two groups of one person say nothing.
+    /// A study of two groups needs two people in each.
     #[error("--people: expected 4 at least for a rating that two groups give, found {0}")]
     FewPeople(u32),
 }
 
-/// Who answers.
+/// People and seed of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Simulation {
-    /// How many people.
+    /// Number of people.
     pub people: u32,
-    /// All that is drawn follows from it.
+    /// Seed of everything that is drawn.
     pub seed: u64,
 }
 
-/// How well thresholds came back.
+/// Recovery of thresholds: the estimates against the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Thresholds {
     /// Median over people and wires of the error, as a part of the true threshold's amplitude.
@@ -52,7 +52,7 @@ pub struct Thresholds {
     pub thresholds: usize,
 }
 
-/// How well something else came back whose truth is a level.
+/// Recovery of other levels: the estimates against the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Levels {
     /// Median error, dB.
@@ -65,16 +65,16 @@ pub struct Levels {
     pub levels: usize,
 }
 
-/// Where people pointed.
+/// Accuracy of the places that people pointed at.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Places {
-    /// The part of answers that are nearest to the wire that was driven.
+    /// Share of answers that are nearest to the driven wire.
     pub correct: f64,
-    /// Median distance from it, mm.
+    /// Median distance from the driven wire, mm.
     pub error_mm_median: f64,
 }
 
-/// What people drew.
+/// Accuracy of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Drawings {
     /// Median over drawings of the error after alignment, mm.
@@ -85,18 +85,18 @@ pub struct Drawings {
     pub breaks_mean: f64,
 }
 
-/// How often studies find an effect, p below 5 %.
+/// Share of studies that find an effect, p below 5 %.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Detection {
     /// The share of 1000 studies that find an effect where there is none.
     pub false_positive_rate: f64,
-    /// The share that find the protocol's effect.
+    /// Share of studies that find the protocol's effect.
     pub power: f64,
-    /// People of whom 80 % of studies find it; null where a thousand do not do.
+    /// People with whom 80 % of studies find the effect; null where a thousand are too few.
     pub people_for_power: Option<u32>,
 }
 
-/// What a simulated study says about its protocol.
+/// Outcome of a simulated study, for its protocol.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// Result of the threshold task, where there is one.
@@ -123,12 +123,12 @@ pub struct Outcome {
     pub choice: Option<Detection>,
 }
 
-/// What one person's session came to, beside their truth.
+/// Results of one person's session, beside their truth.
 #[derive(Debug, Default)]
 struct Answered {
     /// True level and estimate, by task.
     levels: BTreeMap<TaskKind, Vec<(f64, Estimate)>>,
-    /// Whether the nearest wire was the driven one, and how far off it was, mm.
+    /// `true` where the nearest wire was the driven one, with the distance from the driven wire, mm.
     places: Vec<(bool, f64)>,
     /// Error and Frechet distance, mm, and breaks.
     drawings: Vec<(f64, f64, usize)>,
@@ -228,7 +228,7 @@ fn answered(protocol: &Protocol, number: u32, seed: u64, known: &Known) -> Answe
     answered
 }
 
-/// Whether a place is nearest to this wire, and how far from it.
+/// Tells whether `wire` is nearest to a place, with its distance, mm.
 fn pointed(known: &Known, wire: usize, [x, y]: [f64; 2]) -> Option<(bool, f64)> {
     let away = |at: &[f64; 2]| libm::hypot(at[0] - x, at[1] - y);
     let own = away(known.wires_mm.get(wire)?);
@@ -265,7 +265,7 @@ fn levels(found: &[(f64, Estimate)]) -> Option<Levels> {
     })
 }
 
-/// A participant's mean rating of a condition that is rated so much higher than the first.
+/// A participant's mean rating of a condition that is rated `difference` higher than the first.
 fn mean_rating(task: &RatingTask, difference: f64, random: &mut RandomStream) -> f64 {
     let people = &task.simulated;
     let own = drawn(people.rating, random) + difference;
@@ -290,7 +290,7 @@ fn share(
     (0..STUDIES).into_par_iter().filter(found).count() as f64 / STUDIES as f64
 }
 
-/// How often an effect of this size is found, by the share of studies with so many people that find one.
+/// Detection of an effect of this size. `share` gives the share of studies with so many people that find one.
 fn detection(size: f64, of: Simulation, share: impl Fn(f64, Simulation) -> f64) -> Detection {
     Detection {
         false_positive_rate: share(0.0, of),

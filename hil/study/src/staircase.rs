@@ -1,6 +1,6 @@
-//! Staircases: down after so many correct answers, up after a wrong one.
+//! Staircases: down after a number of correct answers, up after a wrong one.
 
-/// What a staircase is made of.
+/// Parameters of a staircase.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaircaseSettings {
     /// Level of the first trial, dB.
@@ -27,7 +27,7 @@ pub struct Staircase {
 }
 
 impl Staircase {
-    /// At its start.
+    /// A staircase at its start.
     pub fn new(settings: StaircaseSettings) -> Self {
         let (least, most) = settings.range;
         Self {

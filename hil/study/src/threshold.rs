@@ -1,4 +1,4 @@
-//! Levels of trials with two intervals, by QUEST+ or by a staircase, and in both cases what the answers say: the absolute
+//! Levels of trials with two intervals, by QUEST+ or by a staircase, and the estimate from the answers: the absolute
 //! threshold of a wire, the least difference, the level at which two wires feel alike.
 
 use palpate_files::ThresholdMethod;
@@ -10,14 +10,14 @@ use crate::staircase::{Staircase, StaircaseSettings};
 pub(crate) const LEAST_DB: f64 = -40.0;
 /// Correct answers without a stimulus: one of two intervals has it.
 pub(crate) const GUESS: f64 = 0.5;
-/// Slips that estimates count with.
+/// Rate of slips that estimates assume.
 const LAPSE: f64 = 0.02;
-/// Differences from and to which estimates go, as parts of the lesser amplitude, dB.
+/// Range of differences that estimates cover, as parts of the lesser amplitude, dB.
 pub(crate) const FRACTIONS_DB: (f64, f64) = (-30.0, 6.0);
 /// The part of the way from no to yes at which two wires feel alike.
 pub(crate) const ALIKE: f64 = 0.5;
 
-/// Trials at chosen levels and what they say.
+/// Levels of trials, and the estimate from their answers.
 #[derive(Debug, Clone)]
 pub struct Thresholding {
     quest: Quest,
@@ -25,12 +25,12 @@ pub struct Thresholding {
     left: u32,
 }
 
-/// From one whole number of decibels to another.
+/// Whole numbers of decibels from `from` to `to`.
 fn decibels(from: f64, to: f64) -> Vec<f64> {
     (from as i32..=to as i32).map(f64::from).collect()
 }
 
-/// The same with halves between.
+/// Numbers from `from` to `to`, 0.5 apart.
 fn halves(from: f64, to: f64) -> Vec<f64> {
     let whole = 2 * from as i32..=2 * to as i32;
     whole.map(|half| f64::from(half) / 2.0).collect()
@@ -51,8 +51,8 @@ impl Thresholding {
         Self::of(method, domain, trials)
     }
 
-    /// The least difference from a level, dB of full drive, that is felt: its levels are parts of that amplitude, -30 dB to
-    /// what full drive leaves, 6 dB at most.
+    /// The least difference from a level, dB of full drive, that is felt: its levels are parts of that amplitude, from
+    /// -30 dB to the rest below full drive, 6 dB at most.
     #[must_use]
     pub fn difference(method: ThresholdMethod, trials: u32, level_db: f64) -> Self {
         let room = 20.0 * libm::log10(libm::pow(10.0, -level_db / 20.0) - 1.0);

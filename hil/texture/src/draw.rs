@@ -9,11 +9,11 @@ use crate::map::{Placed, View};
 const OUTERMOST: f64 = 0.01;
 /// Width and height of a drawing, pixels.
 const SIZE: (f64, f64) = (900.0, 560.0);
-/// Room for the names at the right.
+/// Width of the names at the right, pixels.
 const NAMES: f64 = 160.0;
 
-/// A map drawn: SVG as a file of its own. Trained textures have whole ellipses, unseen ones dashed. Ellipses are
-/// in view as a whole; of the points, the outermost hundredth at each end is not.
+/// Draws a map: SVG as a file of its own. Trained textures have whole ellipses, unseen ones dashed. Ellipses are in
+/// view as a whole; of the points, the outermost hundredth at each end is not.
 pub fn draw(placed: &[Placed<'_>], view: View, title: &str) -> String {
     let range = |of: fn(&(f64, f64)) -> f64| {
         let points: Vec<f64> = placed.iter().flat_map(|p| &p.points).map(of).collect();

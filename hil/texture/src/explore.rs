@@ -10,7 +10,7 @@ use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 
-/// Every texture of the table stroked `strokes` times by one person with one module. `passed` hears the part that is
+/// Strokes every texture of the table `strokes` times by one person with one module. `passed` takes the part that is
 /// done, 0 to 1.
 pub fn explore(
     table: &TextureTable,
@@ -22,7 +22,7 @@ pub fn explore(
     explore_as((table, surface), strokes, &mut explorer, passed)
 }
 
-/// The same with a module and hand of choice: `pairing` says what a texture is to it.
+/// Explores with a given module and hand: `pairing` gives the surface that a texture is to the module.
 pub fn explore_as<'a>(
     (table, pairing): (&'a TextureTable, fn(&TextureEntry) -> SurfaceTexture),
     strokes: u32,
@@ -41,10 +41,10 @@ pub fn explore_as<'a>(
     all
 }
 
-/// Writes a recording as CSV with a header: what training reads.
+/// Writes a recording as CSV with a header, the input of training.
 ///
 /// # Errors
-/// What the system says of the output.
+/// Error of the output.
 pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
     let taxels = recording.rows.first().map_or(0, Vec::len);
     let header = |t: usize| ["x", "y", "z"].map(|axis| format!("txl{t}_{axis}"));
@@ -55,20 +55,21 @@ pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> 
     out.write_all((as_csv([header]) + &rows).as_bytes())
 }
 
-/// Writes what the accelerometer told as CSV with a header, milli-g, [`palpate_emulators::sensor::surface::ACCELEROMETER_HZ`] rows per second.
+/// Writes the accelerometer's readings as CSV with a header, milli-g,
+/// [`palpate_emulators::sensor::surface::ACCELEROMETER_HZ`] rows per second.
 ///
 /// # Errors
-/// What the system says of the output.
+/// Error of the output.
 pub fn write_acceleration(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "x_mg,y_mg,z_mg")?;
     let row = |row: &[i16; 3]| row.map(|counts| format!("{:.1}", milli_g(counts)));
     out.write_all(as_csv(recording.acceleration.iter().map(row)).as_bytes())
 }
 
-/// Writes what the surfaces of a table are like as CSV: the truth that recordings are held against.
+/// Writes the properties of a table's surfaces as CSV: the truth for recordings.
 ///
 /// # Errors
-/// What the system says of the output.
+/// Error of the output.
 pub fn write_materials(table: &TextureTable, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
@@ -87,10 +88,10 @@ pub fn write_materials(table: &TextureTable, out: &mut dyn Write) -> io::Result<
     out.write_all(as_csv(table.texture.iter().map(row)).as_bytes())
 }
 
-/// Writes the ratings of a table as CSV: what training reads beside the recordings.
+/// Writes the ratings of a table as CSV: the input of training besides the recordings.
 ///
 /// # Errors
-/// What the system says of the output.
+/// Error of the output.
 pub fn write_ratings(table: &TextureTable, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "label,trained,hardness,roughness,friction")?;
     let row = |t: &TextureEntry| {
@@ -101,9 +102,9 @@ pub fn write_ratings(table: &TextureTable, out: &mut dyn Write) -> io::Result<()
     out.write_all(as_csv(table.texture.iter().filter_map(row)).as_bytes())
 }
 
-/// What a model makes of a stroke: the latent vector of every tenth window.
+/// A stroke as a model encodes it: the latent vector of every tenth window.
 pub struct Encoded<'a> {
-    /// What was stroked.
+    /// Texture that was stroked.
     pub entry: &'a TextureEntry,
     /// Latent vectors, in the order of time.
     pub latents: Vec<Vec<f32>>,
@@ -164,7 +165,7 @@ pub fn latents(
     firsts.map(window).collect()
 }
 
-/// A stroke as a model takes it: the readings that are its features, row after row.
+/// Features of a stroke for a model: the readings that it takes, row after row.
 ///
 /// # Errors
 /// A model whose features are no columns of a flat module.

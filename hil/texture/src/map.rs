@@ -1,4 +1,4 @@
-//! The latent map: where a model puts textures, and how that goes with what the surfaces are like (figure 3.5).
+//! The latent map: places of textures in a model, and their correlation with the surfaces' properties (figure 3.5).
 
 use std::f64::consts::TAU;
 
@@ -13,16 +13,16 @@ use crate::round;
 /// A coordinate of the latent space to look along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axis {
-    /// Which, from 0.
+    /// Index of the coordinate, from 0.
     pub coordinate: usize,
-    /// -1 turns it round.
+    /// Direction: -1 turns the axis round.
     pub sign: i8,
-    /// What the model's file says it stands for; empty where the file says nothing of it.
+    /// Property that the coordinate stands for by the model's file; empty where the file names none.
     pub stands_for: &'static str,
 }
 
 impl Axis {
-    /// As an axis is labelled, such as `-z2 (hardness)`.
+    /// Label of the axis, such as `-z2 (hardness)`.
     pub fn label(&self) -> String {
         let sign = if self.sign < 0 { "-" } else { "" };
         let name = format!("{sign}z{}", self.coordinate + 1);
@@ -36,9 +36,9 @@ impl Axis {
 /// Two coordinates of the latent space to look along, each with its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
-    /// To the right: roughness, and friction with it where that has no coordinate of its own.
+    /// Axis to the right: roughness, and friction with it where that has no coordinate of its own.
     pub x: Axis,
-    /// Upwards: hardness.
+    /// Axis upwards: hardness.
     pub y: Axis,
 }
 
@@ -50,7 +50,7 @@ impl View {
         Self::named_by(latent, model.latents())
     }
 
-    /// The same from the file's `latent` entry and the width of the latent vector.
+    /// View from the file's `latent` entry and the width of the latent vector.
     fn named_by(latent: &str, width: usize) -> Self {
         let latent: Value = serde_json::from_str(latent).unwrap_or_default();
         let named = |what: &str, stands_for| {
@@ -110,7 +110,7 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// Of some points; zeros of none.
+    /// Mean and spread of some points; zeros for none.
     pub fn of(points: &[(f64, f64)]) -> Self {
         let n = points.len().max(1) as f64;
         let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
@@ -142,13 +142,13 @@ impl Spot {
 /// A texture on the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed<'a> {
-    /// What was stroked.
+    /// Texture that was stroked.
     pub entry: &'a TextureEntry,
-    /// Whether the model was trained on it: as its file says, else as the table of textures has it.
+    /// `true` where the model was trained on the texture: by its file, else by the table of textures.
     pub is_trained: bool,
-    /// Every window of its strokes.
+    /// Latent vectors of every window of its strokes, on the two axes.
     pub points: Vec<(f64, f64)>,
-    /// What they come to.
+    /// Mean and spread of the points.
     pub spot: Spot,
 }
 
@@ -169,19 +169,20 @@ pub fn place<'a>(encoded: &[Encoded<'a>], model: &TextureModel, view: View) -> V
     textures.map(of_texture).collect()
 }
 
-/// How a coordinate goes with what surfaces are like: Spearman's rank correlation over the means of textures, three
+/// Rank correlation of a coordinate with a property of surfaces: Spearman's, over the means of textures, three
 /// decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rank {
-    /// Which coordinate, and with what.
+    /// Name of the coordinate and of the property.
     pub what: &'static str,
-    /// Of all textures.
+    /// Correlation over all textures.
     pub all: f64,
-    /// Of those that the model was not trained on.
+    /// Correlation over textures that the model was not trained on.
     pub unseen: f64,
 }
 
-/// How the two coordinates go with what the surfaces are like and, where all of them are, how they are rated.
+/// Rank correlations of the two coordinates with the surfaces' properties and, where all of them have ratings, with
+/// these.
 pub fn ranks(placed: &[Placed<'_>]) -> Vec<Rank> {
     type Coordinate = fn(&Spot) -> f64;
     type Property = fn(&TextureEntry) -> Option<f64>;

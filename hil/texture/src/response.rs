@@ -1,5 +1,5 @@
-//! How a model answers when one property of a surface changes and all others stay, and what goes with what over
-//! materials whose properties are independent.
+//! Response of a model to one property of a surface while all others stay, and rank correlations over materials whose
+//! properties are independent.
 
 use palpate_core::random::RandomStream;
 use palpate_core::statistics;
@@ -23,12 +23,12 @@ const PROPERTIES: usize = Factor::PROPERTIES.len();
 /// Materials drawn with replacement, to see how sure a correlation is.
 const RESAMPLED: usize = 500;
 
-/// What a coordinate makes of one factor.
+/// Response of a coordinate to one factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Answer {
     /// Spearman's rank correlation of the coordinate with the factor, the mean of three settings of the others.
     pub rank: f64,
-    /// How far the coordinate goes over the factor's range, the mean of three settings, as a share of how far it goes over
+    /// Range of the coordinate over the factor's range, the mean of three settings, as a share of its range over
     /// everything that was tried.
     pub span: f64,
 }
@@ -36,7 +36,7 @@ pub struct Answer {
 /// A rank correlation, others held, with its 95 % interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Partial {
-    /// Of all materials.
+    /// Correlation over all materials.
     pub rank: f64,
     /// 2.5 % of the resampled ones lie below.
     pub low: f64,
@@ -47,20 +47,20 @@ pub struct Partial {
 /// A coordinate of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coordinate {
-    /// From 1, as in `z1`.
+    /// Number of the coordinate, from 1, as in `z1`.
     pub number: usize,
-    /// -1: all figures are of the coordinate turned round, as the model's file says.
+    /// Direction: -1 where all figures are of the coordinate turned round, by the model's file.
     pub sign: i8,
-    /// What the model's file says that it stands for, if it says so.
+    /// Property that the coordinate stands for by the model's file; empty where the file names none.
     pub stands_for: &'static str,
-    /// By factor, in the order of [`Factor::ALL`].
+    /// Answers by factor, in the order of [`Factor::ALL`].
     pub answers: [Answer; FACTORS],
-    /// By property, in the order of [`Factor::PROPERTIES`]; none without materials.
+    /// Correlations by property, in the order of [`Factor::PROPERTIES`]; `None` without materials.
     pub partial: Option<[Partial; PROPERTIES]>,
 }
 
 impl Coordinate {
-    /// The property it is meant to tell; for one that is not named, the one over which it goes furthest.
+    /// Property that the coordinate is meant to tell; where the file names none, the property with the largest span.
     pub fn own(&self) -> Factor {
         match self.stands_for {
             "roughness" => Factor::Relief,
@@ -74,13 +74,14 @@ impl Coordinate {
         }
     }
 
-    /// Its span over a factor divided by its span over its own property; none over a property that it does not answer.
+    /// Span of the coordinate over a factor divided by its span over its own property; `None` where it does not answer
+    /// its own.
     pub fn crosstalk(&self, factor: Factor) -> Option<f64> {
         let own = self.answer(self.own()).span;
         (own > 0.0).then(|| self.answer(factor).span / own)
     }
 
-    /// What it makes of a factor.
+    /// Response of the coordinate to a factor.
     pub fn answer(&self, factor: Factor) -> Answer {
         let place = Factor::ALL.iter().position(|of| *of == factor);
         place.map_or_else(Answer::default, |place| self.answers[place])
@@ -94,7 +95,7 @@ struct Condition {
     habits: Habits,
 }
 
-/// How many surfaces [`response`] strokes.
+/// Number of surfaces that [`response`] strokes.
 pub const fn surfaces(materials: u32) -> u32 {
     (FACTORS * SETTINGS.len()) as u32 * VALUES + materials
 }
@@ -140,8 +141,8 @@ fn mean(
     Ok(sum)
 }
 
-/// Asks a model. With `materials`, so many are drawn that the model never saw, each stroked with varied
-/// habits; `passed` hears after every one of the [`surfaces`].
+/// Measures the response of a model. With `materials`, that many are drawn that the model never saw, each stroked with
+/// varied habits; `passed` is called after every one of the [`surfaces`].
 ///
 /// # Errors
 /// A model whose features are no columns of a flat module, or whose window is longer than a stroke.
@@ -197,7 +198,7 @@ pub fn response(
     Ok((0..model.latents()).map(coordinate).collect())
 }
 
-/// How far values go.
+/// Range of values: largest less smallest.
 fn span(values: &[f64]) -> f64 {
     let (low, high) = values
         .iter()
@@ -228,7 +229,8 @@ fn answers(asked: &[Condition], values: &[f64]) -> [Answer; FACTORS] {
     })
 }
 
-/// A coordinate with each property, the other properties held: partial rank correlations, with intervals by resampling.
+/// Correlation of a coordinate with each property, the other properties held: partial rank correlations, with intervals
+/// by resampling.
 fn partials(materials: &[SurfaceTexture], values: &[f64], seed: u64) -> [Partial; PROPERTIES] {
     let mut columns = vec![values.to_vec()];
     for factor in Factor::PROPERTIES {

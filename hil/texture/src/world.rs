@@ -1,4 +1,4 @@
-//! Materials whose properties say nothing of each other: what a model is asked about one property at a time.
+//! Materials with independent properties, for questions to a model about one property at a time.
 
 use std::io::{self, Write};
 
@@ -8,7 +8,7 @@ use palpate_emulators::sensor::surface::{self, Habits, SurfaceTexture};
 /// Width of a drawn material's spectrum, octaves.
 const OCTAVES: f64 = 1.0;
 
-/// What a stroke over a surface depends on: four properties of the surface, and two of the hand.
+/// Factors of a stroke over a surface: four properties of the surface, and two of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Factor {
     /// Root mean square height of the relief.
@@ -26,7 +26,7 @@ pub enum Factor {
 }
 
 impl Factor {
-    /// Those of the surface.
+    /// Factors of the surface.
     pub const PROPERTIES: [Self; 4] = [
         Self::Relief,
         Self::Wavelength,
@@ -43,7 +43,7 @@ impl Factor {
         Self::Force,
     ];
 
-    /// In a word.
+    /// Name of the factor, in a word.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Relief => "relief",
@@ -55,8 +55,8 @@ impl Factor {
         }
     }
 
-    /// Where it goes from and to, in the unit of [`SurfaceTexture`] and [`Habits`]. The surface's ranges hold the materials of
-    /// the thesis but the smoothest, the hand's are fourfold around its habits. All assumed.
+    /// Range of the factor, in the unit of [`SurfaceTexture`] and [`Habits`]. The surface's ranges hold the materials
+    /// of the thesis but the smoothest, the hand's are fourfold around its habits. All assumed.
     pub const fn range(self) -> (f64, f64) {
         match self {
             Self::Relief => surface::RELIEF_MM,
@@ -68,13 +68,13 @@ impl Factor {
         }
     }
 
-    /// The value at a share of its range, 0 to 1, by ratios.
+    /// Value at a share of the factor's range, 0 to 1, by ratios.
     pub fn at(self, share: f64) -> f64 {
         let (low, high) = self.range();
         low * (high / low).powf(share)
     }
 
-    /// Gives it a value.
+    /// Gives a surface a value of the factor.
     pub const fn set(self, surface: &mut SurfaceTexture, habits: &mut Habits, value: f64) {
         match self {
             Self::Relief => surface.relief_mm = value,
@@ -86,7 +86,7 @@ impl Factor {
         }
     }
 
-    /// Its value of a surface; none of what the hand does.
+    /// Value of the factor for a surface; `None` for a factor of the hand.
     pub const fn of(self, surface: &SurfaceTexture) -> Option<f64> {
         match self {
             Self::Relief => Some(surface.relief_mm),
@@ -134,7 +134,7 @@ fn drawn((name, stream): (&str, &str), count: usize, seed: u64) -> Vec<SurfaceTe
 /// Writes materials as a table of textures; the last `unseen` of them are not to be trained on.
 ///
 /// # Errors
-/// What the system says of the output.
+/// Error of the output.
 pub fn write_table(
     materials: &[SurfaceTexture],
     (unseen, seed): (usize, u64),

@@ -1,4 +1,4 @@
-//! What the WebAssembly module exports: one buffer for texts, and a call.
+//! Exports of the WebAssembly module: one buffer for texts, and a call.
 //!
 //! No pointer is followed here: the page writes into the buffer's memory and reads from it, between calls.
 #![allow(unsafe_code)] // an exported name counts as unsafe, since two of a name would clash
@@ -24,7 +24,7 @@ pub extern "C" fn palpate_room(length: usize) -> *mut u8 {
     text.as_mut_ptr()
 }
 
-/// Answers the request in the buffer; returns the answer's length. [`palpate_text`] says where it is.
+/// Answers the request in the buffer, and returns the answer's length. [`palpate_text`] gives its address.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_call() -> usize {
     let mut held = held();
@@ -42,7 +42,7 @@ pub extern "C" fn palpate_model() {
     palpate_fixtures::fetched(std::mem::take(text));
 }
 
-/// Where the newest answer is.
+/// Address of the newest answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_text() -> *const u8 {
     let mut held = held();

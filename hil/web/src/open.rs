@@ -1,17 +1,17 @@
-//! From what a page chose to a setup.
+//! Setup of a page's session, from its request.
 
 use palpate_files::{Loaded, Overrides, Setup, Source, load_bench, load_scene};
 use palpate_run::Failure;
 
 use crate::request::Chosen;
 
-/// The most taxels that a page is shown.
+/// Most taxels of a page's skin.
 const MOST_TAXELS: usize = 8192;
 
-/// The seed of what states none.
+/// Seed of a request that states none.
 pub const SEED: u64 = 1;
 
-/// Reads scene and bench with what was changed.
+/// Reads scene and bench with the request's changes.
 ///
 /// # Errors
 /// [`Failure::Input`] or [`Failure::File`] for what cannot be, or is not for a page.

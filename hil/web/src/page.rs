@@ -8,10 +8,10 @@ use crate::played::Played;
 use crate::request::Request;
 use crate::{open, run, shelves};
 
-/// Most pictures are shorter, bytes.
+/// Bytes that most pictures do not exceed.
 const ROOM: usize = 1 << 13;
 
-/// What a page holds.
+/// State of a page.
 #[derive(Default)]
 pub struct Page {
     played: Option<Played>,
@@ -56,7 +56,7 @@ fn none_open() -> Failure {
     Failure::Input("the page: expected an open session; open one first".into())
 }
 
-/// What went well.
+/// Answer to a request that succeeded.
 #[derive(Serialize)]
 struct Answer<'a, T> {
     ok: &'a T,

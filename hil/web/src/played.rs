@@ -9,9 +9,9 @@ use palpate_run::picture::{Head, Painter, Picture, State};
 use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
 use serde::Serialize;
 
-/// A picture is of so much virtual time at most, microseconds: a page that slept does not make up for it.
+/// Longest virtual time of a picture, microseconds: a page that slept does not make up for it.
 const MOST_STEP_US: u64 = 2_000_000;
-/// Events come at most so late, nanoseconds.
+/// Longest delay of an event, nanoseconds.
 const LATE_NS: u64 = 2_000_000_000;
 
 /// A finger: its number, module, x, y (um), force (mN), diameter (um).
@@ -25,7 +25,7 @@ pub struct Played {
     head: Head,
     painter: Painter,
     told: ScheduleDigest,
-    /// What the fingers do from here on counts from here.
+    /// End of the last step: the time of the next touches.
     mark: Instant,
     /// Fingers that press, by number.
     pressing: BTreeMap<usize, Finger>,
@@ -36,14 +36,14 @@ pub struct Played {
 pub struct Saved {
     /// The scene's text (TOML).
     text: String,
-    /// Its length, s.
+    /// Length of the scene, s.
     length_s: f64,
 }
 
 /// A session that is over.
 #[derive(Debug, Serialize)]
 pub struct Ended {
-    /// Of its schedule, as that of a run of the same length.
+    /// Digest of the schedule, as that of a run of the same length.
     digest: String,
 }
 
@@ -80,12 +80,12 @@ impl Played {
         })
     }
 
-    /// What stays as it is.
+    /// Head of the session's pictures.
     pub const fn head(&self) -> &Head {
         &self.head
     }
 
-    /// What fingers do from the end of the last step on.
+    /// Takes touches that fingers change from the end of the last step on.
     ///
     /// # Errors
     /// Numbers that no finger has, a touch while the reference is taken, and a full log.
@@ -117,10 +117,10 @@ impl Played {
         Ok(())
     }
 
-    /// Lets the session go on until a time, and looks.
+    /// Lets the session go on until a time, and returns its picture.
     ///
     /// # Errors
-    /// What ends the session.
+    /// The failure that ends the session.
     pub fn step(&mut self, until_us: u64) -> Result<Picture, Failure> {
         let mark_us = self.mark.as_micros();
         let until_us = until_us.clamp(mark_us, mark_us.saturating_add(MOST_STEP_US));
@@ -163,10 +163,10 @@ impl Played {
         Ok(Saved { text, length_s })
     }
 
-    /// Everything off, as at the end of a run.
+    /// Switches everything off, as at the end of a run.
     ///
     /// # Errors
-    /// What an emulator that contradicts itself says.
+    /// The failure of an emulator that contradicts itself.
     pub fn end(mut self) -> Result<Ended, Failure> {
         let off = self.session.switch_off(self.mark);
         off.map_err(|e| Failure::Device(e.to_string()))?;

@@ -1,26 +1,26 @@
-//! What a page asks for.
+//! Requests of a page.
 
 use serde::Deserialize;
 
-/// A request. `do` says which.
+/// A request. `do` names its kind.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Request {
-    /// What there is to choose from.
+    /// Asks for the shelves: the built-in files to choose from.
     Shelves,
     /// Begins a session.
     Open(Chosen),
     /// Lets the session go on, under fingers.
     Step(Step),
-    /// The session so far as a scene.
+    /// Asks for the session so far as a scene.
     Save,
-    /// Ends the session, as a run of it ends, and says what it came to.
+    /// Ends the session, as a run of it ends, and asks for its digest.
     End,
-    /// A whole run, without looking on.
+    /// Runs a whole scene at once.
     Run(Chosen),
 }
 
-/// What a session or run is of.
+/// Files, values and seed of a session or run.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Chosen {
@@ -32,19 +32,19 @@ pub struct Chosen {
     pub bench: String,
     /// `KEY=VALUE` in place of the files' own, as `hil run --set` takes them.
     pub set: Vec<String>,
-    /// Whether the guard only looks on.
+    /// `true` where the guard only observes.
     pub observe: bool,
     /// Seed of every random stream; left out: 1.
     pub seed: Option<u64>,
 }
 
-/// How far to go, and what the fingers do from now on.
+/// Time to go on to, and the touches from now on.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// Until this time, microseconds.
+    /// Time to go on to, microseconds.
     pub until_us: u64,
-    /// Of each finger that does something else from now on: its number, the module, x and y (um), force (mN), diameter (um).
+    /// Changed touches from now on, one per finger: number, module, x and y (um), force (mN), diameter (um).
     #[serde(default)]
     pub fingers: Vec<(usize, usize, i64, i64, i64, i64)>,
 }

@@ -1,4 +1,4 @@
-//! A whole run, for those who compare bits: digests and the schedule.
+//! A whole run, for comparisons of bits: digests and the schedule.
 
 use palpate_files::Setup;
 use palpate_records::contacts_csv::write_table;
@@ -7,14 +7,14 @@ use palpate_records::schedule::write_schedule;
 use palpate_run::{Failure, Input};
 use serde::Serialize;
 
-/// What a run came to.
+/// Digests and records of a run.
 #[derive(Debug, Serialize)]
 pub struct Digests {
-    /// Of everything.
+    /// Digest of the whole trace.
     trace: String,
-    /// Of taxels, frames, contacts and truth.
+    /// Digest of taxels, frames, contacts and truth.
     contacts: String,
-    /// Of what was sent to the boards.
+    /// Digest of the stimuli that were sent to the boards.
     schedule: String,
     /// The schedule itself, JSON Lines.
     lines: String,
@@ -25,7 +25,7 @@ pub struct Digests {
 /// Runs a setup's scene.
 ///
 /// # Errors
-/// What the run ends with.
+/// The failure that ends the run.
 pub fn run(setup: &Setup, seed: u64) -> Result<Digests, Failure> {
     let trace = palpate_run::run(setup, &Input::Scene, seed)?.trace;
     let (mut lines, mut table) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! What a page offers to choose from: the built-in files, each with its own description.
+//! Built-in files for a page to choose from, each with its own description.
 
 use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
@@ -9,10 +9,10 @@ use palpate_run::Failure;
 use palpate_run::picture::style_word;
 use serde::Serialize;
 
-/// The most taxels of a skin that a page offers: what it draws at 60 pictures per second.
+/// Most taxels of a skin that a page offers: it draws as many at 60 pictures per second.
 const MOST_OFFERED: usize = 4096;
 
-/// Everything, in alphabetical order but for illusions and renderers.
+/// All shelves, in alphabetical order but for illusions and renderers.
 #[derive(Debug, Serialize)]
 pub struct Shelves {
     version: &'static str,
@@ -26,15 +26,15 @@ pub struct Shelves {
     wires: Vec<Offer>,
 }
 
-/// One of them.
+/// A file or word that a page offers.
 #[derive(Debug, Serialize)]
 struct Offer {
     name: String,
     description: String,
-    /// A scene that wants the texture model.
+    /// `true` for a scene that wants the texture model.
     #[serde(skip_serializing_if = "is_false")]
     texture: bool,
-    /// The bench of a scene that wants one of its own.
+    /// Bench of a scene that wants one of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     bench: Option<String>,
 }

@@ -1,8 +1,8 @@
-//! What the controller's error frames mean (`linux/can/error.h`), and the tally of one interface.
+//! Meaning of the controller's error frames (`linux/can/error.h`), and the tally of one interface.
 
 use nix::libc;
 
-/// Everything that has happened on one interface.
+/// Counts of everything that has happened on one interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Data frames received.
@@ -11,7 +11,7 @@ pub struct Tally {
     pub dropped: u64,
     /// Frames that found this program's own queue full.
     pub discarded: u64,
-    /// Times the controller's receive buffer ran over; how many frames that cost it does not say.
+    /// Times that the controller's receive buffer ran over; it does not tell how many frames that cost.
     pub overruns: u64,
     /// Packets that are no data frame with an 11-bit identifier.
     pub other: u64,
@@ -19,20 +19,20 @@ pub struct Tally {
     pub bus_errors: u64,
     /// Times the controller went bus-off.
     pub bus_off: u64,
-    /// Times it was restarted.
+    /// Times that the controller was restarted.
     pub restarts: u64,
     /// Frames with a time stamp of the controller.
     pub hardware_stamps: u64,
 }
 
-/// What an error frame changes.
+/// Change of the controller's state, by an error frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// The controller has left the bus.
     BusOff,
     /// The controller is back.
     Restarted,
-    /// Its error counters are high: no node acknowledges, or the wiring is bad.
+    /// The controller's error counters are high: no node acknowledges, or the wiring is bad.
     Passive,
 }
 

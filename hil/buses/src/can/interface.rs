@@ -1,5 +1,5 @@
-//! One interface through its life: reads, sends, and what is done when it goes down, is renamed, is
-//! unplugged and comes back, or its controller leaves the bus.
+//! One interface through its life: it is read and written, goes down, is renamed, is unplugged and comes back, or its
+//! controller leaves the bus.
 
 use std::collections::VecDeque;
 use std::fs;
@@ -23,14 +23,14 @@ use super::stamp::Stamps;
 use super::{Note, OUTBOX};
 use crate::pacer::RunClock;
 
-/// How often an interface is looked at, and how soon one that came back is opened.
+/// Time between two looks at an interface, and from its return to its opening.
 const ROUND: Duration = Duration::from_millis(100);
-/// How soon a frame is tried again that found the kernel's queue full.
+/// Time until a frame that found the kernel's queue full is tried again.
 const RETRY: Duration = Duration::from_millis(2);
 /// Packets taken in one go before the other interfaces have their turn.
 const BATCH: usize = 64;
 
-/// What is known of the interface itself.
+/// State of the network interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Link {
     Up,
@@ -44,7 +44,8 @@ pub(super) struct Interface {
     bus: u8,
     name: String,
     boards: Vec<u8>,
-    /// The kernel's number of it: what the socket is bound to, whatever its name. A test's has none.
+    /// The kernel's number of the interface, to which the socket is bound whatever the name. A test's interface has
+    /// none.
     index: Option<u32>,
     link: Link,
     bus_off: bool,
@@ -60,7 +61,7 @@ pub(super) struct Interface {
     outbox: VecDeque<CanFrame>,
 }
 
-/// Whether an interface is administratively up.
+/// Tells whether an interface is administratively up.
 pub fn is_up(name: &str) -> bool {
     let flags = fs::read_to_string(format!("/sys/class/net/{name}/flags"));
     let flags = flags.ok().and_then(|text| {
@@ -198,7 +199,7 @@ impl Interface {
         Ok(())
     }
 
-    /// What the controller said of itself.
+    /// Takes in a change of the controller's state.
     fn changed(&mut self, change: Change) {
         match change {
             Change::BusOff if !self.bus_off => {
@@ -220,7 +221,7 @@ impl Interface {
         }
     }
 
-    /// Whether the socket is still of use after an error.
+    /// Tells whether the socket is still of use after an error.
     fn survives(&mut self, error: Errno) -> bool {
         match error {
             Errno::ENETDOWN => {
@@ -244,7 +245,7 @@ impl Interface {
             match endpoint.send(frame) {
                 // A full queue empties by itself.
                 Err(Errno::ENOBUFS | Errno::EAGAIN | Errno::EINTR) => return,
-                // Sent, or of no use to anybody: who sent it asks again.
+                // Sent, or of no use to anybody: the sender asks again.
                 _ => drop(self.outbox.pop_front()),
             }
         }
@@ -258,7 +259,8 @@ impl Interface {
         let name = if_indextoname(index)
             .ok()
             .and_then(|n| n.into_string().ok());
-        // One that is being taken away may have lost its name already, and its socket says nothing any more.
+        // An interface that is being taken away may have lost its name already, and its socket reports nothing any
+        // more.
         let Some(name) = name.filter(|name| !name.is_empty()) else {
             self.set_link(Link::Gone);
             return false;
@@ -300,7 +302,7 @@ impl Interface {
         }
     }
 
-    /// Says once what has to be typed. The controller begins anew by then, and what it says next is news.
+    /// Tells the remedy once. By then the controller begins anew, and its next message is news.
     fn stays_off(&mut self, remedy: &str) {
         self.bus_off = false;
         self.passive = false;

@@ -1,7 +1,7 @@
 //! SocketCAN interfaces as the core's [`CanBus`]: one or several, read on a thread of their own.
 //!
-//! An interface that goes down, is renamed or unplugged, or a controller that goes bus-off, ends nothing
-//! here: it becomes a note, the frames stop, and the loop's watchdog does what it does about silence.
+//! An interface that goes down, is renamed or unplugged, or a controller that goes bus-off, ends nothing here: it
+//! becomes a note, the frames stop, and the loop's watchdog answers the silence.
 
 mod errors;
 mod interface;
@@ -32,13 +32,13 @@ const QUEUE: usize = 1 << 16;
 /// Commands kept for an interface.
 const OUTBOX: usize = 64;
 
-/// Why an interface cannot be used from the start.
+/// Error of an interface that cannot be used from the start.
 #[derive(Debug, thiserror::Error)]
 #[error("{interface}: {reason}")]
 pub struct OpenError {
     /// The interface's name.
     pub interface: String,
-    /// What is wrong, and which command mends it.
+    /// Reason, and the command that mends it.
     pub reason: String,
 }
 
@@ -60,13 +60,13 @@ impl OpenError {
     }
 }
 
-/// What an interface's user can do wrong or meet.
+/// Errors of a bus's user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BusError {
     /// The command queue is full: try again later.
     #[error("transmit queue full, try again later")]
     QueueFull,
-    /// There is no bus of this number.
+    /// No bus has this number.
     #[error("no such sensor bus")]
     NoBus,
     /// The thread that reads the interfaces is gone.
@@ -83,9 +83,9 @@ impl CanError for BusError {
 /// A line worth telling: an interface that went down, came back, was renamed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// When it was noticed.
+    /// Time at which the event was noticed.
     pub at: Instant,
-    /// What happened, starting with the interface's name.
+    /// Words of the event, beginning with the interface's name.
     pub text: String,
 }
 
@@ -169,7 +169,7 @@ impl CanBuses {
         })
     }
 
-    /// What has happened on every interface.
+    /// Tally of each interface.
     pub fn tallies(&self) -> Vec<Tally> {
         let read = |t: &Mutex<Tally>| *t.lock().unwrap_or_else(PoisonError::into_inner);
         self.tallies.iter().map(read).collect()
@@ -206,7 +206,7 @@ impl Drop for CanBuses {
     fn drop(&mut self) {
         self.commands.clear();
         if let Some(thread) = self.thread.take() {
-            // Its panic has been told by the queue's end.
+            // The end of the queue has reported a panic already.
             let _ = thread.join();
         }
     }

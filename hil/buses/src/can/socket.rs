@@ -1,4 +1,4 @@
-//! One CAN_RAW socket: how it is opened, and one packet off it with all that the kernel says about it.
+//! One CAN_RAW socket: its opening, and its packets with all that the kernel tells about them.
 
 use std::io::{self, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd, RawFd};
@@ -12,7 +12,7 @@ use nix::sys::time::TimeSpec;
 use palpate_core::codec::can::CanFrame;
 use socketcan::{CanFilter, CanSocket, Socket, SocketOptions};
 
-/// A classic CAN frame as the kernel hands it over: identifier, length, padding, data.
+/// Bytes of a classic CAN frame from the kernel: identifier, length, padding, data.
 const FRAME: usize = 16;
 /// Bytes the kernel shall keep for us: a second of a full bus needs about 8000 frames of some 800 bytes
 /// of its own bookkeeping each.
@@ -24,16 +24,16 @@ pub struct Endpoint {
     socket: CanSocket,
 }
 
-/// What came off a socket.
+/// Packet from a socket, with its time stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Packet {
-    /// Its meaning.
+    /// Meaning of the packet.
     pub content: Content,
     /// The kernel's time stamp, ns since 1970.
     pub software_ns: Option<i64>,
     /// The controller's time stamp, ns of its own clock.
     pub hardware_ns: Option<i64>,
-    /// Frames this socket has lost so far, if it has lost any (SO_RXQ_OVFL; wraps).
+    /// Frames that the socket has lost so far, if any (SO_RXQ_OVFL; wraps).
     pub dropped: Option<u32>,
 }
 
@@ -53,7 +53,7 @@ impl Endpoint {
     /// and the count of lost frames. No boards: all frames.
     ///
     /// # Errors
-    /// What the system says; `ENODEV` for an interface that does not exist.
+    /// Error of the system; `ENODEV` for an interface that does not exist.
     pub fn open(interface: &str, boards: &[u8]) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         if !boards.is_empty() {
@@ -65,7 +65,7 @@ impl Endpoint {
         }
         socket.set_error_filter_accept_all()?;
         socket.set_nonblocking(true)?;
-        // Beyond the system's limit with the right to, else up to it.
+        // Beyond the system's limit where that is allowed, else up to it.
         if setsockopt(&socket, sockopt::RcvBufForce, &RECEIVE_BUFFER).is_err() {
             setsockopt(&socket, sockopt::RcvBuf, &RECEIVE_BUFFER)?;
         }
@@ -127,7 +127,7 @@ impl Endpoint {
     }
 }
 
-/// A double for tests: one end of a pair of datagram sockets speaks like a CAN socket.
+/// Makes a double for tests: one end of a pair of datagram sockets speaks like a CAN socket.
 impl From<OwnedFd> for Endpoint {
     fn from(fd: OwnedFd) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! From the kernel's and the controller's time stamps to the run's clock.
+//! Translates the kernel's and the controller's time stamps to the run's clock.
 //!
 //! The kernel stamps with CLOCK_REALTIME, which may be set at any moment; a controller counts from
 //! wherever it likes and drifts. Neither may make a frame come from the future or before the last one.
@@ -8,9 +8,9 @@ use palpate_core::units::Instant;
 use super::socket::Packet;
 use crate::pacer::{RunClock, monotonic_ns, realtime_ns};
 
-/// A stamp older than this is none: the clock was set, or the frame belongs to another run.
+/// Age of a stamp beyond which it does not count: the clock was set, or the frame belongs to another run.
 const OLDEST_NS: i64 = 1_000_000_000;
-/// A controller's clock that is off by more than this has been set anew.
+/// Jump of a controller's clock beyond which it counts as set anew.
 const JUMP_NS: i64 = 20_000_000;
 /// The most by which a controller's clock drifts against ours: one part in this many.
 const DRIFT: i64 = 5_000;
@@ -26,7 +26,7 @@ pub struct Stamps {
 }
 
 impl Stamps {
-    /// Times on this clock.
+    /// Stamps on this clock.
     pub fn new(clock: RunClock) -> Self {
         Self {
             clock,
@@ -36,7 +36,7 @@ impl Stamps {
         }
     }
 
-    /// When a packet was received: the controller's word where there is one, else the kernel's, else now.
+    /// Time at which a packet was received: by the controller where it says so, else by the kernel, else now.
     pub fn of(&mut self, packet: &Packet) -> Instant {
         self.at(packet, monotonic_ns(), realtime_ns())
     }

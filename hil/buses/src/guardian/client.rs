@@ -15,24 +15,24 @@ use crate::pulse::Pulse;
 
 use super::{PACKET, Watch, packet, word};
 
-/// How long a guardian may take to look at every board and switch it off.
+/// Longest time that a guardian takes to look at every board and switch it off.
 const START_MS: u16 = 20_000;
-/// How long it may take to confirm the end.
+/// Longest time that it takes to confirm the end.
 const END_MS: u16 = 5_000;
 
-/// Why there is no guardian, and so no run.
+/// Errors of a guardian's start: without it there is no run.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// The process could not be started.
     #[error("the guardian cannot be started: {0}")]
     Spawn(#[from] io::Error),
-    /// It says why it cannot guard.
+    /// The guardian cannot guard, for this reason.
     #[error("{0}")]
     Refused(String),
     /// A stop of an earlier run is latched.
     #[error("{0}")]
     Latched(String),
-    /// It said nothing.
+    /// The guardian has sent nothing.
     #[error("the guardian does not answer")]
     Silent,
 }
@@ -40,18 +40,18 @@ pub enum StartError {
 /// A guardian that can no longer be relied on: the run has to end.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Lost {
-    /// Its process is gone.
+    /// The guardian's process is gone.
     #[error("the guardian process is gone; no guardian is left to switch off after this program")]
     Died,
-    /// It does not answer.
+    /// The guardian does not answer.
     #[error("the guardian does not answer; no guardian is left to switch off after this program")]
     Silent,
-    /// It has switched everything off by itself and latched that, for this cause.
+    /// The guardian has switched everything off by itself and latched that, for this cause.
     #[error("{0}; the guardian has switched everything off")]
     Halted(String),
 }
 
-/// Why a guardian of this process may be killed together with it, by its number and `/proc/self/status`.
+/// Reason for which a guardian of this process may be killed together with it, by its number and `/proc/self/status`.
 fn dies_along(pid: u32, status: &str) -> Option<&'static str> {
     let nested = status.lines().find_map(|line| line.strip_prefix("NSpid:"));
     let nested = nested.is_some_and(|ids| ids.split_whitespace().count() > 1);
@@ -65,19 +65,19 @@ fn dies_along(pid: u32, status: &str) -> Option<&'static str> {
 pub struct Guardian {
     link: Arc<OwnedFd>,
     child: Child,
-    /// Between two heartbeats.
+    /// Time between two heartbeats.
     period: Duration,
-    /// Silence that means it is gone.
+    /// Silence after which the guardian counts as gone.
     limit: Duration,
     sent: Instant,
     heard: Instant,
-    /// It does not answer any more.
+    /// `true` once the guardian does not answer any more.
     silent: bool,
 }
 
 impl Guardian {
-    /// Starts a guardian by the program `hil`, to which its command is added, and returns when everything is off and read
-    /// back, with what was found driving, a line each.
+    /// Starts a guardian by the program `hil`, to which its command is added, and returns when everything is off and
+    /// read back, with the boards that were found driving, a line each.
     ///
     /// # Errors
     /// [`StartError`].
@@ -97,7 +97,7 @@ impl Guardian {
             .stdin(Stdio::from(theirs))
             .stdout(Stdio::null())
             .spawn()?;
-        // It holds the guardian's end as well: one that dies at its start is to be noticed.
+        // The command holds the guardian's end as well: a guardian that dies at its start is to be noticed.
         drop(program);
         let heartbeat = watch.heartbeat.as_micros() as u64;
         let mut guardian = Self {
@@ -127,13 +127,13 @@ impl Guardian {
         self.child.id()
     }
 
-    /// A way to say that the loop is alive from within a wait.
+    /// Heartbeat of the loop for use within a wait.
     pub fn pulse(&self) -> Pulse {
         Pulse::new(Arc::clone(&self.link), word::BEAT)
     }
 
-    /// Says that the loop is alive, when it is time to, and looks whether the guardian is. Only the loop
-    /// itself may call this: a thread beside it would be alive while the loop hangs.
+    /// Sends a heartbeat of the loop, when one is due, and checks that the guardian is alive. Only the loop itself may
+    /// call this: a thread beside it would be alive while the loop hangs.
     ///
     /// # Errors
     /// [`Lost`].
@@ -167,7 +167,7 @@ impl Guardian {
         }
     }
 
-    /// Whether no guardian is there that would switch off what this program leaves on.
+    /// Tells whether the guardian is gone: then nobody would switch off outputs that this program leaves on.
     pub fn is_gone(&self) -> bool {
         let mut link = [PollFd::new(self.link.as_fd(), PollFlags::empty())];
         let closed = poll(&mut link, PollTimeout::ZERO).is_ok_and(|count| count > 0);
@@ -203,7 +203,7 @@ impl Guardian {
     /// Takes leave: the guardian switches everything off once more, reads back, and ends.
     ///
     /// # Errors
-    /// What it could not switch off; it goes on trying after this program's end.
+    /// Boards that it could not switch off; it goes on trying after this program's end.
     pub fn end(&mut self) -> Result<(), String> {
         self.send(&[word::BYE]).map_err(|e| e.to_string())?;
         match self.answer(END_MS) {
@@ -216,7 +216,8 @@ impl Guardian {
         }
     }
 
-    /// Returns when its process is gone. One that still writes to a disk that hangs goes on without this program.
+    /// Returns when the guardian's process is gone. One that still writes to a disk that hangs goes on without this
+    /// program.
     fn see_it_end(&mut self) {
         let mut link = [PollFd::new(self.link.as_fd(), PollFlags::empty())];
         let closed = poll(&mut link, PollTimeout::from(END_MS)).is_ok_and(|count| count > 0);
@@ -256,7 +257,7 @@ impl Guardian {
             let length = recv(self.link.as_raw_fd(), &mut packet, MsgFlags::empty()).ok()?;
             match packet[..length].split_first() {
                 None => return None,
-                // What it did by itself before is no answer.
+                // An act of its own before is no answer.
                 Some((&(word::BEAT | word::HALT), _)) => {}
                 Some((&first, rest)) => {
                     return Some((first, String::from_utf8_lossy(rest).into_owned()));

@@ -1,9 +1,9 @@
-//! The guardian's decisions, without a clock, a device, a file or memory: what happens goes in with its time, what is
-//! to be done about it goes out through a [`Post`].
+//! The guardian's decisions, without a clock, a device, a file or memory: events go in with their time, acts go out
+//! through a [`Post`].
 //!
-//! Two rules hold for every order of events. Outputs come first: an order to switch off waits for no latch, no word and no
-//! other bus. And a bus counts as off only once it has answered so to an order that was given after the last moment at which
-//! the run could still have driven it.
+//! Two rules hold for every order of events. Outputs come first: an order to switch off waits for no latch, no word and
+//! no other bus. And a bus counts as off only once it has answered so to an order that was given after the last moment
+//! at which the run could still have driven it.
 
 use arrayvec::{ArrayString, ArrayVec};
 use palpate_core::units::{Duration, Instant};
@@ -12,21 +12,21 @@ use crate::pacer::{ASLEEP, UNSEEN};
 
 /// Most adapters of a bench.
 pub(super) const BUSES: usize = 16;
-/// An awake guardian looks this often whether the run is silent.
+/// Time between two looks of an awake guardian for a silent run.
 const SLICE: Duration = Duration::from_millis(5);
-/// A guardian that waits for nothing looks this often whether it is asked to end.
+/// Time between two looks of an idle guardian for a wish to end.
 const IDLE: Duration = Duration::from_millis(20);
-/// Between two tries of a bus that did not answer.
+/// Time between two tries of a bus that did not answer.
 const RETRY: Duration = Duration::from_millis(10);
-/// Between two orders to a bus that a run which should drive nothing may still reach.
+/// Time between two orders to a bus that a run which should drive nothing may still reach.
 const AGAIN: Duration = Duration::from_millis(30);
-/// A run whose end of the pair closed, or that was told to end, has this long for it; one that was killed to be gone.
+/// Time for a run to end after its end of the pair closed or it was told to; time for one that was killed to be gone.
 const GRACE: Duration = Duration::from_millis(500);
 
 /// A cause in words, at most as long as a latch keeps.
 pub(super) type Text = ArrayString<640>;
 
-/// Why a guardian acts.
+/// Causes for which a guardian acts.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(clippy::large_enum_variant, reason = "a box would need memory")]
 pub(super) enum Cause {
@@ -36,16 +36,16 @@ pub(super) enum Cause {
     /// No heartbeat came for this long.
     #[error("the run hung: no heartbeat for {} ms", .0.as_micros() / 1000)]
     Hung(Duration),
-    /// The run asked for it, and says why.
+    /// The run asked for it, for this reason.
     #[error("{0}")]
     Asked(Text),
     /// A signal or another program ended the guardian.
     #[error("switched off by `hil off` or a SIGTERM to the guardian")]
     Ended,
-    /// Neither this process nor, likely, the run got to act for so long.
+    /// Neither this process nor, likely, the run got to act for this long.
     #[error("unseen time: this computer let the guardian stand still for {} ms (a debugger, a frozen container, too much load), and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Stood(Duration),
-    /// The machine slept for so long.
+    /// The machine slept for this long.
     #[error("unseen time: this computer was suspended for {} ms, and outputs may have been on meanwhile", .0.as_micros() / 1000)]
     Slept(Duration),
     /// The line that cuts all outputs cannot be set.
@@ -61,18 +61,18 @@ impl Cause {
         Self::Asked(text)
     }
 
-    /// Whether the run has promised to drive nothing any more.
+    /// Tells whether the run has promised to drive nothing any more.
     const fn is_promised(&self) -> bool {
         matches!(self, Self::Asked(_))
     }
 
-    /// Whether the run is to be told, since it lives and may not know.
+    /// Tells whether the run must hear of the cause, since it lives and may not know.
     const fn is_news(&self) -> bool {
         matches!(self, Self::Stood(_) | Self::Slept(_) | Self::Line)
     }
 }
 
-/// What comes to a guardian.
+/// Events that a guardian decides on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Event<'a> {
     /// Time has passed, and nothing else.
@@ -81,7 +81,7 @@ pub(super) enum Event<'a> {
     Beat,
     /// The run's boards are set up: the OE line may be released.
     Release,
-    /// The OE line is to cut.
+    /// The OE line is to cut the outputs.
     Cut,
     /// Everything is to go off and stay off; the run lives on.
     Stop(&'a str),
@@ -91,7 +91,7 @@ pub(super) enum Event<'a> {
     Bye,
     /// The run cannot switch off any more, and ends.
     Trip(&'a str),
-    /// Something that is no word.
+    /// A packet that is no word.
     Noise,
     /// The run's end of the pair has closed.
     Closed,
@@ -99,9 +99,9 @@ pub(super) enum Event<'a> {
     Gone,
     /// A bus has carried out an order: everything on it is off and reads back so, or that is not known.
     Swept {
-        /// Which one.
+        /// Index of the bus.
         bus: usize,
-        /// Whether everything on it is known to be off.
+        /// `true` where everything on the bus is known to be off.
         off: bool,
     },
     /// Another program or a signal wants everything off.
@@ -115,16 +115,16 @@ pub(super) enum Answer {
     /// Everything is known to be off.
     Off,
     NotOff,
-    /// It has switched everything off by itself: the run is to end.
+    /// The guardian has switched everything off by itself: the run is to end.
     Halt,
 }
 
-/// What people are told.
+/// News for people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum News {
-    /// Everything is off, so long after the cause was known.
+    /// Everything is off, this long after the cause was known.
     Off(Duration),
-    /// Not everything is known to be off; the guardian tries on.
+    /// Some outputs may be on; the guardian tries on.
     Trying,
     /// The run was killed and is still there.
     Stays,
@@ -132,15 +132,15 @@ pub(super) enum News {
 
 /// The hands of a guardian. None of them waits.
 pub(super) trait Post {
-    /// Cuts the OE line, or releases it; whether that could be done. Without a line there is nothing to do.
+    /// Cuts the OE line, or releases it. Returns whether that could be done. Without a line there is nothing to do.
     fn cut(&mut self, cut: bool) -> bool;
     /// Orders everything on a bus off and read back; its answer comes as [`Event::Swept`].
     fn off(&mut self, bus: usize);
     /// Ends the run by force.
     fn kill(&mut self);
-    /// Has a stop latched.
+    /// Latches a stop.
     fn latch(&mut self, cause: &Cause, verified: bool);
-    /// Has people told.
+    /// Tells people the news.
     fn tell(&mut self, cause: &Cause, news: News);
     /// Answers the run.
     fn answer(&mut self, answer: Answer, cause: Option<&Cause>);
@@ -149,9 +149,9 @@ pub(super) trait Post {
 /// The time of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Now {
-    /// On the guardian's clock, which stands still while the machine sleeps.
+    /// Time on the guardian's clock, which stands still while the machine sleeps.
     pub(super) at: Instant,
-    /// How long the machine has slept since that clock began.
+    /// Time that the machine has slept since that clock began.
     pub(super) asleep: Duration,
 }
 
@@ -159,20 +159,20 @@ pub(super) struct Now {
 #[derive(Clone, Copy, Debug, Default)]
 struct Bus {
     ordered: bool,
-    /// That order is too early to say what has to be known.
+    /// `true` where the order came too early to prove that the bus is off: another one follows.
     again: bool,
-    /// Everything on it is off, by an order that was not too early.
+    /// `true` where everything on the bus is off, by an order that was not too early.
     off: bool,
-    /// When it is asked next.
+    /// Time of the next order.
     next: Option<Instant>,
 }
 
-/// What the run is doing.
+/// State of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Run {
     Alive,
     Leaving,
-    /// It has said that it cannot switch off, and waits for nothing but the answer.
+    /// The run has said that it cannot switch off, and waits for nothing but the answer.
     Tripped,
     Closed,
     Gone,
@@ -184,25 +184,25 @@ pub(super) struct Decider {
     heartbeat: Duration,
     buses: ArrayVec<Bus, BUSES>,
     run: Run,
-    /// Since the last heartbeat, as far as the guardian got to look; none before the first.
+    /// Silence since the last heartbeat, as far as the guardian got to look; `None` before the first.
     silence: Option<Duration>,
     looked: Option<Now>,
     cause: Option<Cause>,
-    /// When the cause became known.
+    /// Time at which the cause became known.
     since: Instant,
-    /// When the run is ended by force, and whether that has been tried.
+    /// Time at which the run is ended by force, and `true` once that has been tried.
     kill: Option<Instant>,
     killed: bool,
     stays: bool,
     cut: bool,
-    /// What people and latch know.
+    /// News that people were told last, and whether the latch has the stop as verified.
     told: Option<News>,
     verified: bool,
     end: Option<u8>,
 }
 
 impl Decider {
-    /// A guardian over so many buses, which are off, that waits so long for a heartbeat.
+    /// A guardian over so many buses, all off, that waits `heartbeat` for a heartbeat.
     pub(super) fn new(buses: usize, heartbeat: Duration) -> Self {
         Self {
             heartbeat,
@@ -227,7 +227,7 @@ impl Decider {
         self.end
     }
 
-    /// When [`Self::step`] has to be called at the latest, whatever comes.
+    /// Time at which [`Self::step`] has to be called at the latest, whatever comes.
     pub(super) fn next(&self) -> Instant {
         let now = self.looked.map_or(Instant::ZERO, |looked| looked.at);
         let silent = self.silence.map(|silence| {
@@ -244,7 +244,7 @@ impl Decider {
         all.fold(idle, Instant::min)
     }
 
-    /// Takes one event and does what it makes due.
+    /// Takes one event and does the acts that it makes due.
     pub(super) fn step(&mut self, now: Now, event: Event<'_>, post: &mut impl Post) {
         self.look(now, event == Event::Beat, post);
         match event {
@@ -277,7 +277,7 @@ impl Decider {
                 (self.silence, self.kill) = (None, None);
                 self.act(now, Cause::Died, post);
             }
-            // It has said before that it drives nothing any more.
+            // Such a run has said before that it drives nothing any more.
             Event::Gone => {}
             Event::Swept { bus, off } => self.swept(now, bus, off, post),
             Event::Ended => {
@@ -308,10 +308,10 @@ impl Decider {
         } else if passed > UNSEEN {
             self.act(now, Cause::Stood(passed), post);
         }
-        // Where the guardian did not get to run the run did not either, and gets its turn before it is judged.
+        // While the guardian did not run, the run did not either, and gets its turn before it is judged.
         let silence = silence + passed.min(SLICE + SLICE);
         self.silence = Some(silence);
-        // One that was told of unseen time has its outputs off by then, and ends by itself.
+        // A run that was told of unseen time has its outputs off by then, and ends by itself.
         let is_told = self.cause.as_ref().is_some_and(Cause::is_news);
         let limit = if is_told { GRACE } else { self.heartbeat };
         if silence > limit && !is_beat {
@@ -333,7 +333,7 @@ impl Decider {
         }
     }
 
-    /// Everything off from now on, for this cause unless there is one already.
+    /// Switches everything off from now on, for this cause unless there is one already.
     fn act(&mut self, now: Now, cause: Cause, post: &mut impl Post) {
         if !self.cut {
             self.cut = true;
@@ -351,7 +351,7 @@ impl Decider {
         }
     }
 
-    /// The run's end of the pair has closed.
+    /// Takes the closed end of the run's pair.
     fn close(&mut self, now: Now, post: &mut impl Post) {
         self.silence = None;
         match self.run {
@@ -360,7 +360,7 @@ impl Decider {
                 self.act(now, Cause::Died, post);
                 self.kill.get_or_insert(now.at + GRACE);
             }
-            // It waited for an answer that is not there yet.
+            // The run waited for an answer that is not there yet.
             Run::Leaving | Run::Tripped | Run::Closed | Run::Gone => {}
         }
     }
@@ -383,7 +383,7 @@ impl Decider {
     }
 
     fn swept(&mut self, now: Now, number: usize, off: bool, post: &mut impl Post) {
-        // Whatever the other buses do: this one may be driven again by what the run has on its way.
+        // The run may have a transfer on its way that drives this bus again, whatever the other buses do.
         let again = self.may_drive().then_some(now.at + AGAIN);
         let Some(bus) = self.buses.get_mut(number) else {
             return;
@@ -399,7 +399,7 @@ impl Decider {
         }
     }
 
-    /// A bus did not answer an order as it should.
+    /// Takes the answer of a bus that is not known to be off.
     fn not_off(&mut self, now: Now, post: &mut impl Post) {
         if self.run == Run::Leaving {
             post.answer(Answer::NotOff, None);
@@ -415,7 +415,7 @@ impl Decider {
         }
     }
 
-    /// What has become due.
+    /// Does what has become due: ends the run by force, or tries buses again.
     fn go_on(&mut self, now: Now, post: &mut impl Post) {
         if self.kill.is_some_and(|at| at <= now.at) {
             if self.killed && !std::mem::replace(&mut self.stays, true) {
@@ -433,7 +433,7 @@ impl Decider {
         }
     }
 
-    /// Whether the run may still reach a bus although everything is to be off.
+    /// Tells whether the run may still reach a bus although everything is to be off.
     fn may_drive(&self) -> bool {
         match self.run {
             Run::Alive => !self.cause.as_ref().is_some_and(Cause::is_promised),
@@ -442,13 +442,13 @@ impl Decider {
         }
     }
 
-    /// Says what is known by now, and ends where nothing is left to do.
+    /// Reports the state by now, and ends where nothing is left to do.
     fn conclude(&mut self, now: Now, post: &mut impl Post) {
         if self.run == Run::Alive && self.cause.is_none() || !self.buses.iter().all(|bus| bus.off) {
             return;
         }
         if let Some(cause) = &self.cause {
-            // A run that lives says by itself what has stopped it.
+            // A run that lives tells its cause by itself.
             let speaks = !cause.is_promised() || self.run == Run::Tripped;
             if speaks && !matches!(self.told, Some(News::Off(_))) {
                 let news = News::Off(now.at.since(self.since));

@@ -17,14 +17,14 @@ use crate::sys;
 
 /// Most boards of a bus.
 const BOARDS: usize = 16;
-/// What a thread needs that makes transfers.
+/// Stack of a thread that makes transfers, bytes.
 const STACK: usize = 256 * 1024;
-/// What of it is touched beforehand, so that no page is missing when it counts.
+/// Bytes of the stack that are touched beforehand, so that no page is missing when it counts.
 const TOUCHED: usize = 64 * 1024;
-/// Above the guardian's own priority: what it decides on has been done before.
+/// Priority above the guardian's own: its orders are carried out before its next decision.
 const PRIORITY: u8 = 61;
 
-/// Why something is not known of a bus.
+/// Reasons why the state of a bus is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Why {
     /// A transfer failed.
@@ -33,7 +33,7 @@ pub(super) enum Why {
     /// A board reads back as on.
     #[error("address {0:#04x}: reads back as on")]
     On(u8),
-    /// The driver found something else.
+    /// The driver found another error.
     #[error(transparent)]
     Driver(DriverError),
     /// The program failed.
@@ -44,13 +44,13 @@ pub(super) enum Why {
     Waits,
 }
 
-/// What a board was found doing, by its address.
+/// A board's address, and its registers as they were found.
 pub(super) type Looked = (u8, Result<Seen, Why>);
 
-/// What came of an order.
+/// Result of an order.
 #[derive(Clone, Debug)]
 pub(super) struct Report {
-    /// Everything is known to be off, or why not. After a look alone it says whether all boards answered.
+    /// `Ok` where everything is known to be off, else the reason. After a look alone, `Ok` where all boards answered.
     pub(super) off: Result<(), Why>,
     /// The boards, as they were read.
     pub(super) found: ArrayVec<Looked, BOARDS>,
@@ -60,14 +60,14 @@ pub(super) struct Report {
 enum Order {
     /// Read every board and change nothing.
     Look,
-    /// Everything off, and read back.
+    /// Switch everything off, and read back.
     Off,
 }
 
 #[derive(Debug, Default)]
 struct State {
     order: Option<Order>,
-    /// An order is being carried out.
+    /// `true` while an order is carried out.
     busy: bool,
     report: Option<Report>,
     over: bool,
@@ -76,12 +76,12 @@ struct State {
 #[derive(Debug, Default)]
 struct Shared {
     state: Mutex<State>,
-    /// An order has come, or a report.
+    /// Signals a new order or report.
     changed: Condvar,
 }
 
 impl Shared {
-    /// State is whole whatever happened to a thread that held it.
+    /// Locks the state. It is whole even where a thread panicked with the lock.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -98,7 +98,7 @@ impl Hand {
     /// Puts an adapter on a thread. Nothing is sent.
     ///
     /// # Errors
-    /// What the system says where it gives no thread.
+    /// Error of the system where it gives no thread.
     pub(super) fn new(bus: WatchedBus, adapter: Box<dyn Adapter>) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         // Switching off and reading back need neither PRE_SCALE nor full scale.
@@ -119,7 +119,7 @@ impl Hand {
         &self.bus
     }
 
-    /// Orders everything off; whatever was ordered before and has not begun is left out.
+    /// Orders everything off; an earlier order that has not begun is left out.
     pub(super) fn off(&self) {
         self.order(Order::Off);
     }
@@ -135,12 +135,12 @@ impl Hand {
         self.shared.changed.notify_all();
     }
 
-    /// What came of the last order, once.
+    /// Takes the report of the last order; `None` before the answer, and after the first call.
     pub(super) fn report(&self) -> Option<Report> {
         self.shared.state().report.take()
     }
 
-    /// The same, waited for until `patience` is over.
+    /// Takes the report of the last order, waiting for it until `patience` is over.
     pub(super) fn wait(&self, patience: Duration) -> Option<Report> {
         let waits =
             |state: &mut State| state.report.is_none() && (state.busy || state.order.is_some());
@@ -161,7 +161,7 @@ impl Drop for Hand {
     }
 }
 
-/// What the thread of an adapter has.
+/// State of an adapter's thread.
 struct Worker {
     shared: Arc<Shared>,
     bank: Pca9685Bank<Direct<Box<dyn Adapter>>>,
@@ -210,7 +210,7 @@ impl Worker {
         }
     }
 
-    /// Everything off, then every current that is set to zero, and read back.
+    /// Switches everything off, sets every current that can be set to zero, and reads back.
     fn off(&mut self) -> Report {
         let off = self.bank.all_off();
         // A board that does not answer keeps no other one unread.
@@ -224,14 +224,14 @@ impl Worker {
         report.off = said.and(report.off);
         if report.off.is_ok() {
             for board in self.bank.numbers() {
-                // They only say what was on. Off it is.
+                // Old pulses only tell which outputs were on. The board is off.
                 let _ = self.bank.forget_pulses(board);
             }
         }
         report
     }
 
-    /// Reads every board; with `off`, one that makes a pulse is wrong.
+    /// Reads every board; with `off`, a board that makes a pulse is wrong.
     fn look(&mut self, off: bool) -> Report {
         let mut report = Report {
             off: Ok(()),

@@ -1,9 +1,10 @@
-//! The latched stop: a record that outlives every process and says why outputs were switched off, until a person clears it.
+//! The latched stop: a record that outlives every process and holds the cause for which outputs were switched off,
+//! until a person clears it.
 //!
-//! It is armed before the first pulse, under the lock of its hardware, and a stop only writes over it. So a stop needs no
-//! room on the disk, no memory and no descriptor. A record that is armed when nobody holds the lock is a stop as well:
-//! whatever ended the run, nobody saw the outputs off. A record is never taken away, it is written as clear: so every user
-//! can clear it, and no user needs a right to the folder of another's.
+//! It is armed before the first pulse, under the lock of its hardware, and a stop only writes over it. So a stop needs
+//! no room on the disk, no memory and no descriptor. A record that is armed when nobody holds the lock is a stop as
+//! well: whatever ended the run, nobody saw the outputs off. A record is never taken away, it is written as clear: so
+//! every user can clear it, and no user needs a right to the folder of another's.
 
 use std::env;
 use std::ffi::OsString;
@@ -24,20 +25,20 @@ use crate::shared_file::{create, make, open, refuse_newer};
 
 /// The version of a record that this code writes.
 const VERSION: u32 = 1;
-/// What its first line says it is.
+/// Kind of file, at the beginning of a record's first line.
 const KIND: &str = "palpate-stop";
 /// Bytes of a record: each is written over the last one, byte for byte.
 const RECORD: usize = 1024;
-/// Bytes of a cause in it.
+/// Bytes of a cause in a record.
 const CAUSE: usize = 640;
-/// Bytes of what says which hardware it is of.
+/// Bytes of the hardware's place in it.
 const PLACE: usize = 240;
-/// The folder of all users.
+/// Path of the folder of all users.
 const SYSTEM: &str = "/var/lib/palpate";
-/// Its mode: everybody may add a record there, and take away none of another user.
+/// Mode of that folder: everybody may add a record there, and take away none of another user.
 const MODE: u32 = 0o1777;
 
-/// What a record says.
+/// Kind of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// No stop.
@@ -65,23 +66,23 @@ impl State {
 pub struct Latch {
     hardware: Hardware,
     file: PathBuf,
-    /// Where a stop counts as well, for one who names another folder.
+    /// The system's file, where a stop counts as well when `PALPATE_STATE` names another folder.
     system: Option<PathBuf>,
 }
 
-/// What a latch holds.
+/// A stop that a latch holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Latched {
-    /// Why everything was switched off, in words.
+    /// Cause for which everything was switched off, in words.
     pub cause: String,
-    /// When, seconds since 1970.
+    /// Time of the stop, seconds since 1970.
     pub at_s: u64,
-    /// Whether every board was read back as off.
+    /// `true` where every board was read back as off.
     pub verified: bool,
 }
 
 impl Latched {
-    /// Why nothing is driven on what has this name, and the way on.
+    /// Words that refuse to drive the hardware of this name, with the way on.
     pub fn refusal(&self, name: &dyn std::fmt::Display) -> String {
         let known = match self.verified {
             true => "everything was switched off",
@@ -94,7 +95,7 @@ impl Latched {
     }
 }
 
-/// The folder of what outlives every process: the one that `PALPATE_STATE` names, else that of all users.
+/// Folder of records that outlive every process: the one that `PALPATE_STATE` names, else that of all users.
 pub(crate) fn folder() -> PathBuf {
     folder_by(env::var_os("PALPATE_STATE"))
 }
@@ -106,7 +107,7 @@ fn folder_by(named: Option<OsString>) -> PathBuf {
     named.unwrap_or_else(|| SYSTEM.into())
 }
 
-/// What a person types so that stops and heat can be kept in a folder.
+/// Command by which stops and heat can be kept in a folder.
 pub(crate) fn remedy(folder: &Path) -> String {
     format!("sudo install -d -m {MODE:o} {}", folder.display())
 }
@@ -114,7 +115,7 @@ pub(crate) fn remedy(folder: &Path) -> String {
 /// The folder of stops, where this program may write to it or make it.
 ///
 /// # Errors
-/// What is wrong with it, and what a person types.
+/// The reason, and the command that mends it.
 pub fn stops_folder() -> Result<PathBuf, (String, String)> {
     let folder = folder();
     let there = folder.ancestors().find(|folder| folder.exists());
@@ -152,17 +153,17 @@ impl Latch {
         std::iter::once(&self.file).chain(&self.system)
     }
 
-    /// What it holds; `None` when it is clear or a run is on. What cannot be read counts as latched.
+    /// Stop that the latch holds; `None` when it is clear or a run is on. An unreadable record counts as a stop.
     pub fn read(&self) -> Option<Latched> {
         self.found(false)
     }
 
-    /// What it holds, and what an earlier run left armed: under its hardware's lock no run is on.
+    /// Stop that the latch holds, or that an earlier run left armed: under its hardware's lock no run is on.
     pub fn read_locked(&self, _lock: &BusLock) -> Option<Latched> {
         self.found(true)
     }
 
-    /// As [`Self::read_locked`] where nobody holds the lock, else as [`Self::read`].
+    /// Reads as [`Self::read_locked`] where nobody holds the lock, else as [`Self::read`].
     pub fn look(&self) -> Option<Latched> {
         match BusLock::take(&self.hardware) {
             Ok(lock) => self.read_locked(&lock),
@@ -180,7 +181,7 @@ impl Latch {
     /// Prepares a stop: its record is on the disk and open. `ended` is the cause where nobody writes another.
     ///
     /// # Errors
-    /// What the system says, with the folder and what to do.
+    /// Error of the system, with the folder and the remedy.
     pub fn arm(&self, _lock: &BusLock, ended: &str) -> Result<Armed, String> {
         let folder = self.file.parent().unwrap_or(Path::new("/"));
         self.opened(folder, ended).map_err(|error| {
@@ -210,7 +211,7 @@ impl Latch {
             kept = kept.and_then(|()| File::open(folder)?.sync_all());
         }
         if kept.is_err() {
-            // Nothing will be driven: what is left of it is no stop.
+            // Nothing will be driven: the rest of the record is no stop.
             armed.disarm();
             if is_new {
                 let _ = fs::remove_file(&self.file);
@@ -219,10 +220,10 @@ impl Latch {
         kept.map(|()| armed)
     }
 
-    /// Clears it: a person's decision.
+    /// Clears the latch: a person's decision.
     ///
     /// # Errors
-    /// What the system says; an error for a record of a newer version.
+    /// Error of the system; an error for a record of a newer version.
     pub fn clear(&self, _lock: &BusLock) -> io::Result<()> {
         for file in self.files() {
             let record = match open(file, true) {
@@ -243,14 +244,14 @@ impl Latch {
     }
 }
 
-/// What a file holds, up to a byte more than a record has.
+/// Bytes of a file, up to one more than a record has.
 fn content(file: &File) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(RECORD as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// What a record says; `None` for one that is clear or not there. What cannot be read is a stop.
+/// State and stop of a record; `None` for one that is clear or absent. An unreadable record is a stop.
 fn load(path: &Path) -> Option<(State, Latched)> {
     let stop = |cause: String| {
         let held = Latched {
@@ -272,7 +273,7 @@ fn load(path: &Path) -> Option<(State, Latched)> {
     Some(said).filter(|(state, _)| *state != State::Clear)
 }
 
-/// A record of this version that is whole.
+/// State and stop of a whole record of this version.
 fn parse(bytes: &[u8]) -> Option<(State, Latched)> {
     let text = std::str::from_utf8(bytes).ok()?;
     let first = format!("{KIND} {VERSION}");
@@ -315,10 +316,10 @@ pub struct Armed {
 }
 
 impl Armed {
-    /// Latches the stop. A first cause is kept; a later one only says whether boards are off by now.
+    /// Latches the stop. A first cause is kept; a later one only updates whether boards are off.
     ///
     /// # Errors
-    /// What the system says. The record stays armed then, which is a stop without its cause.
+    /// Error of the system. The record stays armed then, which is a stop without its cause.
     pub fn latch(&mut self, cause: &str, verified: bool) -> Result<(), Errno> {
         let (cause, at_s) = *self.first.get_or_insert_with(|| (short(cause), now_s()));
         let written = self
@@ -327,10 +328,10 @@ impl Armed {
         written.map_err(|error| error.raw_os_error().map_or(Errno::EIO, Errno::from_raw))
     }
 
-    /// The outputs were seen off: the record says that there is no stop, unless one is latched.
+    /// Clears the record, unless a stop is latched: the outputs were seen off.
     pub fn disarm(&self) {
         if self.first.is_none() {
-            // What is left armed is found by the next run, which refuses.
+            // The next run finds a record that stays armed, and refuses.
             let _ = self.write(State::Clear, &short(""), now_s(), true);
         }
     }

@@ -1,13 +1,12 @@
 //! The guardian: a process of its own that switches everything off when the run beside it dies or hangs.
 //!
-//! A PWM chip keeps driving what it was last told. Whatever ends a run, a process must be left to switch it off:
-//! SIGKILL, an out-of-memory kill or a hung loop leave no working code in the run itself. Run and guardian are joined
-//! by a pair of sockets. The run sends heartbeats; when they stop, or its end closes without a good-bye, the
-//! guardian cuts the OE line, switches every board off, kills what is left of the run, switches off again
-//! and reads back, until every board is known to be off. It never gives up.
+//! A PWM chip keeps driving its last pulses. Whatever ends a run, a process must be left to switch it off: SIGKILL, an
+//! out-of-memory kill or a hung loop leave no working code in the run itself. Run and guardian are joined by a pair of
+//! sockets. The run sends heartbeats; when they stop, or its end closes without a good-bye, the guardian cuts the OE
+//! line, switches every board off, kills the rest of the run, switches off again
 //!
-//! `decide` says what is to be done, `server` does it with a `hand` for each adapter, and `scribe` writes what has to
-//! be written, where nothing waits for it.
+//! `decide` makes decisions, `server` carries them out with a `hand` for each adapter, and `scribe` writes records and
+//! words where nothing waits for them.
 
 mod client;
 mod decide;
@@ -27,14 +26,14 @@ use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// An I2C adapter and what it drives.
+/// An I2C adapter with its boards.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WatchedBus {
     /// The device node.
     pub path: PathBuf,
     /// Addresses of the boards.
     pub boards: Vec<u8>,
-    /// Addresses of the converters beside them, board by board; none where amplifiers have a current of their own.
+    /// Addresses of the converters, board by board; empty where amplifiers have a current of their own.
     pub converters: Vec<u8>,
 }
 
@@ -60,7 +59,7 @@ impl fmt::Display for WatchedBus {
     }
 }
 
-/// What a guardian guards, and how patiently.
+/// Hardware that a guardian guards, and its patience.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Watch {
     /// I2C adapters.
@@ -69,7 +68,7 @@ pub struct Watch {
     pub oe: Option<(PathBuf, u32)>,
     /// Silence after which the run counts as hung.
     pub heartbeat: Duration,
-    /// What one I2C transfer may take.
+    /// Longest time of one I2C transfer.
     pub transfer: Duration,
 }
 
@@ -90,7 +89,7 @@ impl Watch {
 /// Reads `PATH=40,41+48,49` of [`Watch::arguments`].
 ///
 /// # Errors
-/// What was expected.
+/// Words of the expected text.
 pub fn parse_bus(text: &str) -> Result<WatchedBus, String> {
     let expected = || "expected PATH=ADDRESS,ADDRESS.. with addresses in hexadecimal".to_owned();
     let list = |text: &str| -> Result<Vec<u8>, String> {
@@ -112,7 +111,7 @@ pub fn parse_bus(text: &str) -> Result<WatchedBus, String> {
 /// Reads `CHIP=LINE` of [`Watch::arguments`].
 ///
 /// # Errors
-/// What was expected.
+/// Words of the expected text.
 pub fn parse_line(text: &str) -> Result<(PathBuf, u32), String> {
     let parsed = text
         .rsplit_once('=')
@@ -120,9 +119,9 @@ pub fn parse_line(text: &str) -> Result<(PathBuf, u32), String> {
     parsed.ok_or_else(|| "expected CHIP=LINE".into())
 }
 
-/// A word between the two processes: one packet, its first byte says which.
+/// Words between the two processes: one packet, whose first byte is the word.
 mod word {
-    /// Run to guardian: alive. Guardian to run: so am I.
+    /// Run to guardian: the loop is alive. Guardian to run: the guardian is alive.
     pub const BEAT: u8 = b'.';
     /// Run to guardian: boards are configured, the OE line may be released.
     pub const RELEASE: u8 = b'e';
@@ -135,22 +134,22 @@ mod word {
     pub const LATCH: u8 = b'l';
     /// Run to guardian: everything is off, good-bye.
     pub const BYE: u8 = b'q';
-    /// Run to guardian: I cannot switch off any more; the cause follows.
+    /// Run to guardian: the run cannot switch off any more; the cause follows.
     pub const TRIP: u8 = b'x';
-    /// Guardian to run: everything is off; what was found follows.
+    /// Guardian to run: everything is off; the boards that were found driving follow.
     pub const READY: u8 = b'R';
-    /// Guardian to run: it cannot guard, or not everything is known to be off; why follows.
+    /// Guardian to run: it cannot guard, or not everything is known to be off; the reason follows.
     pub const REFUSED: u8 = b'E';
-    /// Guardian to run: it does not guard while an earlier stop is latched; which one follows.
+    /// Guardian to run: it does not guard while an earlier stop is latched; the stop follows.
     pub const LATCHED: u8 = b'L';
-    /// Guardian to run: it has switched everything off by itself, the run is to end; why follows.
+    /// Guardian to run: it has switched everything off by itself, the run is to end; the cause follows.
     pub const HALT: u8 = b'h';
 }
 
 /// The longest packet: a report of 16 boards.
 const PACKET: usize = 4096;
 
-/// A packet: a word and what follows it.
+/// A packet: a word and its text.
 fn packet(word: u8, text: &str) -> Vec<u8> {
     let mut packet = vec![word];
     packet.extend_from_slice(text.as_bytes());

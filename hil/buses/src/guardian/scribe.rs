@@ -1,5 +1,5 @@
-//! What a guardian writes: stops into their records, words to people. Each is done by a thread of its own that is there from
-//! the start, since a disk may hang, and so may a terminal that was stopped or a pipe that is not read.
+//! Writers of a guardian: stops into their records, words to people. Each is a thread of its own from the start, since
+//! a disk may hang, and so may a terminal that was stopped or a pipe that is not read.
 
 use std::fmt;
 use std::io;
@@ -18,18 +18,18 @@ use crate::desk::Desk;
 use crate::pacer::RunClock;
 use crate::sys;
 
-/// What a thread needs that writes a few lines.
+/// Stack of a thread that writes a few lines, bytes.
 const STACK: usize = 128 * 1024;
-/// What of it is touched beforehand.
+/// Bytes of the stack that are touched beforehand.
 const TOUCHED: usize = 16 * 1024;
 /// Lines that may wait for a terminal.
 const LINES: usize = 16;
-/// Between two tries of a disk that refuses.
+/// Time between two tries of a disk that refuses.
 const RETRY: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(50);
 /// Tries of a disk that refuses.
 const TRIES: u32 = 100;
 
-/// A line to people.
+/// A line for people.
 type Line = ArrayString<1024>;
 
 /// Words to people, on standard error.
@@ -39,13 +39,15 @@ pub(super) struct Teller(Arc<Desk<Words>>);
 #[derive(Debug, Default)]
 struct Words {
     lines: ArrayVec<Line, LINES>,
-    /// A line is being written.
+    /// `true` while a line is being written.
     busy: bool,
 }
 
 impl Teller {
+    /// Starts the thread.
+    ///
     /// # Errors
-    /// What the system says where it gives no thread.
+    /// Error of the system where it gives no thread.
     pub(super) fn start() -> io::Result<Self> {
         let desk = Arc::new(Desk::<Words>::default());
         let own = Arc::clone(&desk);
@@ -64,7 +66,7 @@ impl Teller {
         Ok(Self(desk))
     }
 
-    /// Leaves a line. What finds no place is lost: the stop's record has its cause.
+    /// Leaves a line. One that finds no place is lost: the stop's record has its cause.
     pub(super) fn tell(&self, words: fmt::Arguments<'_>) {
         let mut line = Line::new();
         // A line that is too long is cut.
@@ -111,14 +113,16 @@ struct Stops {
     records: Vec<Armed>,
     /// The cause, and whether everything is known to be off.
     stop: Option<(Text, bool)>,
-    /// The records are to be taken away.
+    /// `true` to clear the records.
     disarm: bool,
     busy: bool,
 }
 
 impl Latcher {
+    /// Starts the thread.
+    ///
     /// # Errors
-    /// What the system says where it gives no thread.
+    /// Error of the system where it gives no thread.
     pub(super) fn start(teller: Teller) -> io::Result<Self> {
         let desk = Arc::new(Desk::<Stops>::default());
         let own = Arc::clone(&desk);

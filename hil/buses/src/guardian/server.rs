@@ -1,6 +1,7 @@
-//! The guardian process itself: what the [decisions](super::decide) are carried out with.
+//! The guardian process itself, which carries out its [decisions](super::decide).
 //!
-//! All that it needs is there before it says that it is ready: threads, descriptors, records, and every page it will touch.
+//! All that it needs is there before it reports that it is ready: threads, descriptors, records, and every page it will
+//! touch.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -28,11 +29,11 @@ use crate::oe::OeLine;
 use crate::pacer::{RunClock, asleep_ns};
 use crate::sys;
 
-/// How long boards may take to answer for the first time.
+/// Longest time that boards take to answer for the first time.
 const START: Elapsed = Elapsed::from_secs(5);
 /// The cause of a stop for which neither run nor guardian wrote another.
 const ABANDONED: &str = "run and guardian ended without a word";
-/// How long words may take to reach people at the end.
+/// Longest time that words take to reach people at the end.
 const WORDS: Elapsed = Elapsed::from_millis(200);
 
 /// Guards until the run says good-bye or everything is off after its death; the socket to the run is
@@ -65,7 +66,7 @@ pub fn serve(watch: &Watch) -> u8 {
     }
 }
 
-/// A packet to the run; one that is gone needs none.
+/// Sends a packet to the run; one that is gone needs none.
 fn say(word: u8, text: &str) {
     let mut packet = [0; PACKET];
     packet[0] = word;
@@ -78,11 +79,12 @@ fn say(word: u8, text: &str) {
     let _ = send(io::stdin().as_raw_fd(), &packet[..=length], flags);
 }
 
-/// What the system gives to one who must not fail, as far as it does: memory that is never paged out, the
-/// last place in the queue of the out-of-memory killer, a place before ordinary programs.
+/// Takes all that the system gives to a process that must not fail: memory that is never paged out, the last place in
+/// the queue of the out-of-memory killer, a place before ordinary programs.
 fn harden() {
     if sys::lock_memory().is_err() {
-        // What was locked so far would only keep later pages from coming. Stacks were touched; the rest was used once.
+        // Memory that stays locked would only keep later pages from coming. Stacks were touched; the rest was used
+        // once.
         sys::unlock_memory();
     }
     let _ = fs::write("/proc/self/oom_score_adj", "-1000");
@@ -98,7 +100,7 @@ fn locks(watch: &Watch) -> Result<Vec<BusLock>, String> {
     watch.buses.iter().map(lock).collect()
 }
 
-/// The records of all adapters, or none of them.
+/// Arms the records of all adapters, or none of them.
 fn arm(locks: &[BusLock]) -> Result<Vec<Armed>, String> {
     let mut armed = Vec::new();
     for lock in locks {
@@ -113,12 +115,12 @@ fn arm(locks: &[BusLock]) -> Result<Vec<Armed>, String> {
     Ok(armed)
 }
 
-/// Everything a guardian holds.
+/// State of the guardian process.
 struct Station {
     clock: RunClock,
     asleep_ns: i64,
     hands: Vec<Hand>,
-    /// Why each bus is not known to be off, by its last answer.
+    /// Reason for which each bus is not known to be off, by its last answer.
     whys: [Option<Why>; BUSES],
     oe: Option<OeLine>,
     parent: Pid,
@@ -126,11 +128,11 @@ struct Station {
     locks: Vec<BusLock>,
     latcher: Latcher,
     teller: Teller,
-    /// Another program has asked for everything off, and that was heard.
+    /// `true` once another program's wish for everything off was heard.
     is_asked: bool,
-    /// The run's process is there as far as is known.
+    /// `true` while the run's process is there, as far as is known.
     is_there: bool,
-    /// The run's end of the pair is open.
+    /// `true` while the run's end of the pair is open.
     is_open: bool,
 }
 
@@ -198,7 +200,7 @@ impl Station {
                 return status;
             }
             self.wait(decider.next());
-            // Time first: what was not seen is judged before anything that came meanwhile.
+            // Time first: unseen time is judged before any event of it.
             decider.step(self.now(), Event::Time, self);
             if self.is_asked_off() {
                 decider.step(self.now(), Event::Ended, self);
@@ -240,7 +242,7 @@ impl Station {
         }
     }
 
-    /// Whether a signal has come, or another program has asked for everything off, since the last time.
+    /// Tells whether a signal has come, or another program has asked for everything off, since the last time.
     fn is_asked_off(&mut self) -> bool {
         let signal = self.terminated.swap(false, Ordering::Relaxed);
         let asked = self.locks.iter().any(BusLock::is_asked_off);
@@ -277,7 +279,7 @@ fn receive(buffer: &mut [u8; PACKET]) -> Result<Option<&[u8]>, ()> {
     }
 }
 
-/// What a packet says.
+/// Event that a packet tells.
 fn event(packet: &[u8]) -> Event<'_> {
     let Some((first, rest)) = packet.split_first() else {
         return Event::Noise;

@@ -1,4 +1,4 @@
-//! Switching every board of every bus off, side by side, and reading back that it is.
+//! Switches every board of every bus off, side by side, and reads back.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,17 +11,17 @@ use super::hand::{Hand, Report, Why};
 use crate::i2c::{Adapter, AdapterError, LinuxAdapter};
 use crate::pacer::RunClock;
 
-/// Between two tries of a bus that does not answer.
+/// Time between two tries of a bus that does not answer.
 const PAUSE: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(10);
 
-/// What a board was found doing.
+/// State in which a board was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BoardFound {
     /// The adapter's node.
     pub bus: PathBuf,
     /// The board's address.
     pub address: u8,
-    /// Its registers, or why they could not be read.
+    /// Registers of the board, or the reason why they could not be read.
     pub seen: Result<Seen, String>,
 }
 
@@ -31,7 +31,7 @@ impl BoardFound {
         (self.seen.as_ref()).map_or(0, |seen| seen.driving() | seen.drove())
     }
 
-    /// Whether it drove an output.
+    /// Tells whether the board drove an output.
     pub fn was_driving(&self) -> bool {
         self.channels() != 0
     }
@@ -75,7 +75,7 @@ impl Sweeper {
         missing.into_iter().next().map_or(Ok(sweeper), Err)
     }
 
-    /// The same of those adapters that can be used, and why the others cannot.
+    /// Opens the adapters that can be used, and returns the errors of the others.
     pub fn open_some(buses: &[WatchedBus]) -> (Self, Vec<AdapterError>) {
         let mut missing = Vec::new();
         let opened = buses.iter().filter_map(|bus| {
@@ -89,7 +89,7 @@ impl Sweeper {
         (sweeper, missing)
     }
 
-    /// Over adapters that are open already, and those that have no thread.
+    /// A sweeper over adapters that are open already, and the errors of those that get no thread.
     pub fn over(lines: Vec<(WatchedBus, Box<dyn Adapter>)>) -> (Self, Vec<AdapterError>) {
         let mut missing = Vec::new();
         let hand = |(bus, adapter): (WatchedBus, Box<dyn Adapter>)| {
@@ -117,8 +117,9 @@ impl Sweeper {
         found(&self.hands, &reports)
     }
 
-    /// Everything off, all buses at once, then every current that is set to zero, and read back, again until it succeeds or
-    /// `patience` is over. What the boards were found doing, and for each adapter that is not known to be off why.
+    /// Switches everything off, all buses at once, sets every current that can be set to zero, and reads back, again
+    /// until it succeeds or `patience` is over. Returns the boards as they were found, and the reason for each adapter
+    /// that is not known to be off.
     pub fn off(&mut self, patience: Duration) -> (Vec<BoardFound>, Vec<String>) {
         let clock = RunClock::start();
         let mut all: Vec<Option<Report>> = self.hands.iter().map(|_| None).collect();
@@ -150,7 +151,7 @@ impl Sweeper {
     }
 }
 
-/// What came of the last order of each adapter, waited for until `patience` is over.
+/// Reports of each adapter's last order, waited for until `patience` is over.
 fn reports(hands: &[Hand], patience: Duration) -> Vec<Option<Report>> {
     let clock = RunClock::start();
     let left = || patience.saturating_sub(Duration::from_micros(clock.now().as_micros()));

@@ -16,17 +16,17 @@ use crate::sys;
 
 /// `I2C_FUNC_I2C` of `linux/i2c.h`: whole transfers, which an update of 65 bytes needs.
 const FUNC_I2C: c_ulong = 1;
-/// What one transfer may take, in units of 10 ms, where the adapter lets us say so: a full update of
-/// 65 bytes takes 6 ms at 100 kHz.
+/// Longest time of one transfer, in units of 10 ms, where the adapter lets us say so: a full update of 65 bytes takes
+/// 6 ms at 100 kHz.
 const TIMEOUT_10MS: u32 = 2;
 
-/// Why an adapter cannot be used.
+/// Error of an adapter that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct AdapterError {
     /// The device node.
     pub path: String,
-    /// What is wrong, and which command mends it.
+    /// Reason, and the command that mends it.
     pub reason: String,
 }
 
@@ -35,11 +35,11 @@ pub struct AdapterError {
 pub struct LinuxAdapter {
     path: PathBuf,
     bus: Option<LinuxI2CBus>,
-    /// Which device the path led to when it was opened.
+    /// Number of the device that the path led to when it was opened.
     device: u64,
 }
 
-/// Why a node cannot be opened, with the way out.
+/// Error of a node that cannot be opened, with the remedy.
 fn unopened(path: &Path, errno: Errno) -> AdapterError {
     let reason = match errno {
         Errno::ENOENT => "no such device; `ls /dev/i2c-*` shows what is there, `modprobe i2c-dev` makes the nodes, `i2cdetect -l` names the adapters".into(),
@@ -59,7 +59,7 @@ impl LinuxAdapter {
     /// these addresses. Nothing is sent.
     ///
     /// # Errors
-    /// [`AdapterError`] with what is missing and how to get it.
+    /// [`AdapterError`] with the reason and its remedy.
     pub fn open(path: &Path, addresses: &[u8]) -> Result<Self, AdapterError> {
         let fail = |reason: String| AdapterError {
             path: path.display().to_string(),
@@ -99,7 +99,7 @@ impl LinuxAdapter {
         self.device = device(&self.path);
         let bus = LinuxI2CBus::new(&self.path).map_err(|e| errno(&e))?;
         if let Ok(node) = nix::unistd::dup(borrowed(&bus)) {
-            // Neither is known to every adapter; our own limit stands in any case.
+            // Some adapters know neither; our own limit stands in any case.
             let _ = sys::set_i2c_timeout(node.as_fd(), TIMEOUT_10MS);
             let _ = sys::set_i2c_retries(node.as_fd(), 0);
         }

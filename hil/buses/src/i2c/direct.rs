@@ -25,12 +25,12 @@ impl<A: Adapter> Direct<A> {
         }
     }
 
-    /// As [`Adapter::rest`].
+    /// Rests as [`Adapter::rest`].
     pub fn rest(&mut self) {
         self.adapter.rest();
     }
 
-    /// The address of the last transfer that failed, and why.
+    /// Address and kind of the last transfer that failed.
     pub const fn last_fault(&self) -> Option<(u8, FaultKind)> {
         self.last
     }

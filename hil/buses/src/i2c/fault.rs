@@ -1,5 +1,5 @@
-//! What can go wrong in an I2C transfer on Linux, told apart by errno
-//! (Documentation/i2c/fault-codes.rst, and what drivers do beside it).
+//! Failures of an I2C transfer on Linux, told apart by errno (Documentation/i2c/fault-codes.rst, and the habits of
+//! drivers).
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub enum FaultKind {
     Busy,
     /// `ETIMEDOUT`: the adapter gave up; a line is held low, or a chip stretches the clock for too long.
     TimedOut,
-    /// `EIO`: the adapter says no more than that.
+    /// `EIO`: the adapter tells no more than that.
     Disturbed,
     /// `ENODEV`, `ESHUTDOWN`, `EPIPE`, `ENOENT`: the adapter is gone.
     Gone,
@@ -49,7 +49,7 @@ impl From<Errno> for FaultKind {
     }
 }
 
-/// A transfer that failed: on which bus, with which chip, why.
+/// A transfer that failed: its bus, its chip, and the kind of failure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{bus}, address {address:#04x}: {}", self.kind.words(*address))]
 pub struct Fault {
@@ -57,7 +57,7 @@ pub struct Fault {
     pub bus: String,
     /// The chip's address.
     pub address: u8,
-    /// What happened.
+    /// Kind of the failure.
     pub kind: FaultKind,
 }
 
@@ -65,7 +65,7 @@ pub struct Fault {
 pub struct FaultWords(FaultKind, u8);
 
 impl FaultKind {
-    /// What happened to a transfer with the chip of this address, and what to do about it.
+    /// Words of the failure of a transfer with the chip of this address, with the way out.
     pub const fn words(self, address: u8) -> FaultWords {
         FaultWords(self, address)
     }
@@ -103,7 +103,7 @@ impl fmt::Display for FaultWords {
 }
 
 impl I2cError for FaultKind {
-    /// Only what may pass by itself is of a kind that the driver tries again at once.
+    /// Kind of the error. Only failures that may pass by themselves are of a kind that the driver tries again at once.
     fn kind(&self) -> ErrorKind {
         match self {
             Self::NoAddress => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address),

@@ -27,18 +27,18 @@ use tokio::time::{Instant, MissedTickBehavior, interval_at, sleep};
 use crate::pulse::Pulse;
 use crate::sys::{fifo_priority, set_fifo_priority};
 
-/// What transfers: an adapter of the system, or a test's double.
+/// Anything that makes I2C transfers: an adapter of the system, or a test's double.
 pub trait Adapter: Send {
-    /// Its name in messages.
+    /// Name of the adapter in messages.
     fn name(&self) -> String;
 
     /// One transaction with one STOP: a write, a read, or a write and a read after a repeated START.
     ///
     /// # Errors
-    /// What the adapter said.
+    /// Failure that the adapter reports.
     fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind>;
 
-    /// Called now and then while nothing is to be transferred.
+    /// Rests: called now and then while nothing is to be transferred.
     fn rest(&mut self) {}
 }
 
@@ -56,15 +56,15 @@ impl Adapter for Box<dyn Adapter> {
     }
 }
 
-/// How often a waiting loop says that it is alive.
+/// Time between two heartbeats of a waiting loop.
 const BEAT: Duration = Duration::from_millis(10);
-/// How often an adapter that has nothing to do is looked at.
+/// Time after which an adapter without a request rests.
 pub(crate) const REST: Duration = Duration::from_millis(100);
 
-/// What came of a transaction: the bytes read.
+/// Answer to a transaction: the bytes read.
 type Answer = Result<Vec<u8>, FaultKind>;
 
-/// A transaction on its way to the thread, and where its answer goes.
+/// A transaction on its way to the thread, and the receiver of its answer.
 struct Request {
     address: u8,
     write: Vec<u8>,
@@ -83,7 +83,7 @@ pub struct Line {
     /// would carry out orders whose caller has given up.
     overdue: Option<oneshot::Receiver<Answer>>,
     limit: Duration,
-    /// Told while the loop waits.
+    /// Heartbeat while the loop waits.
     pulse: Option<Pulse>,
     last: Option<Fault>,
     thread: Option<JoinHandle<()>>,
@@ -133,8 +133,8 @@ impl Line {
         })
     }
 
-    /// While a transaction goes on the guardian hears that the loop is alive: the limit is what bounds the
-    /// wait, and on a bus that is stuck a guardian can do no more than the loop.
+    /// Sends heartbeats while a transaction goes on: the limit bounds the wait, and on a bus that is stuck a guardian
+    /// can do no more than the loop.
     pub fn set_pulse(&mut self, pulse: Pulse) {
         self.pulse = Some(pulse);
     }
@@ -151,7 +151,7 @@ impl Line {
         read: &mut [u8],
     ) -> Result<(), FaultKind> {
         if let Some(mut overdue) = self.overdue.take() {
-            // What it says came too late for its caller.
+            // The answer came too late for its caller.
             if overdue.try_recv() == Err(TryRecvError::Empty) {
                 self.overdue = Some(overdue);
                 return Err(FaultKind::Stuck);
@@ -198,8 +198,8 @@ impl ErrorType for Line {
 }
 
 impl AsyncI2c for Line {
-    /// Writes, then reads: what the driver uses. Adjacent writes become one message, since adapters that
-    /// can chain messages without a START are rare.
+    /// Writes, then reads, as the driver does. Adjacent writes become one message, since adapters that can chain
+    /// messages without a START are rare.
     async fn transaction(
         &mut self,
         address: u8,
@@ -256,11 +256,11 @@ impl Drop for Line {
     }
 }
 
-/// A bus for those who wait: the core's driver, the guardian.
+/// A bus for callers that wait: the core's driver, the guardian.
 #[derive(Debug)]
 pub struct Blocking {
     line: Line,
-    /// Where the waiting is done: a timer and nothing else.
+    /// Runtime of the waiting: a timer and nothing else.
     waiter: Runtime,
 }
 

@@ -14,7 +14,7 @@ pub struct SharedLine {
     line: Arc<Mutex<Blocking>>,
     /// The loops that wait for the bus or for its answer.
     waiting: Arc<AtomicU32>,
-    /// This loop, a bit.
+    /// Bit of this loop.
     own: u32,
     /// This loop's last fault.
     last: Option<Fault>,
@@ -46,7 +46,7 @@ impl SharedLine {
         self.last.as_ref()
     }
 
-    /// Returns when no other loop's transfer is on the bus. What a turn then writes is written at about its time.
+    /// Returns when no other loop's transfer is on the bus, so that a turn's writes come at about its time.
     pub fn wait(&self) {
         self.with(|_| ());
     }

@@ -1,5 +1,5 @@
-//! A file of the ledger. What it holds is whole and of this version, or it is not believed. It is written to a neighbour
-//! and renamed, so that a death leaves the one or the other.
+//! A file of the ledger. Its content is whole and of this version, or it is not believed. It is written to a neighbour
+//! and renamed, so that a death leaves the old or the new.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -13,31 +13,31 @@ use super::LedgerError;
 use crate::pacer::RunClock;
 use crate::shared_file::{create, make, open, open_or_create};
 
-/// What a file begins with.
+/// First bytes of a file.
 const MAGIC: &[u8; 8] = b"palpheat";
 /// Mode of the folder: every user may put a new file in place of another user's.
 const MODE: u32 = 0o777;
-/// Grows when a byte changes what it says.
+/// Version of the layout: grows when a byte changes its meaning.
 const VERSION: u32 = 1;
-/// The magic, the version, the length of what follows.
+/// Bytes of the magic, the version and the payload's length.
 const HEAD: usize = 16;
-/// The sum at the end.
+/// Bytes of the checksum at the end.
 const TAIL: usize = 8;
-/// No file is longer: 4096 wires.
+/// Longest file, bytes: 4096 wires.
 const MOST: u64 = 4 << 20;
-/// How often a file is tried that a run which has ended may still hold: for two seconds.
+/// Tries of a file that a run which has ended may still hold: for two seconds.
 const TRIES: u32 = 200;
 /// The pause between two tries.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// FNV-1a over 64 bits: another byte anywhere is another sum.
+/// FNV-1a checksum of 64 bits: a change of any single byte changes it.
 pub(super) fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xCBF2_9CE4_8422_2325, |sum, byte| {
         (sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3)
     })
 }
 
-/// A file, and what it held when it was read last.
+/// A file, and its content when it was read last.
 #[derive(Debug)]
 pub(super) struct Account {
     file: PathBuf,
@@ -66,7 +66,7 @@ impl Account {
         Ok(account)
     }
 
-    /// What it holds; `None` where nothing was kept yet.
+    /// Bytes that the account holds; `None` where nothing was kept yet.
     ///
     /// # Errors
     /// [`LedgerError::Unreadable`].
@@ -75,7 +75,7 @@ impl Account {
         read.map_err(|why| self.unreadable(why))
     }
 
-    /// An error of it.
+    /// Error for an account that cannot be read.
     pub(super) fn unreadable(&self, why: impl Into<String>) -> LedgerError {
         LedgerError::Unreadable {
             file: self.file.clone(),
@@ -93,10 +93,11 @@ impl Account {
         }
     }
 
-    /// Keeps every other program from writing it.
+    /// Keeps every other program from writing the account.
     ///
     /// # Errors
-    /// [`LedgerError::Folder`], [`LedgerError::Held`], and [`LedgerError::Changed`] where it no longer holds what was read.
+    /// [`LedgerError::Folder`], [`LedgerError::Held`], and [`LedgerError::Changed`] where the content is no longer the
+    /// one that was read.
     pub(super) fn hold(self) -> Result<Held, LedgerError> {
         let (folder, lock) = self.lock()?;
         if self.bytes()? != self.read {
@@ -157,7 +158,7 @@ impl Account {
         }
     }
 
-    /// A file beside it.
+    /// A neighbour of the file.
     fn beside(&self, ending: &str) -> PathBuf {
         let mut name = self.file.clone().into_os_string();
         name.push(".");
@@ -167,13 +168,13 @@ impl Account {
 }
 
 impl Held {
-    /// Puts this in place of what it holds; it is on the disk when this returns.
+    /// Replaces the content; it is on the disk when this returns.
     ///
     /// # Errors
-    /// What the system says; it holds the one or the other then.
+    /// Error of the system; the file holds the old or the new content then.
     pub(super) fn write(&self, payload: &[u8]) -> io::Result<()> {
         let neighbour = self.account.beside("new");
-        // What cannot be taken away is still there when another is made.
+        // A neighbour that cannot be taken away is still there when another is made.
         let _ = fs::remove_file(&neighbour);
         let mut file = create(&neighbour)?;
         file.write_all(&whole(payload))?;
@@ -183,7 +184,7 @@ impl Held {
     }
 }
 
-/// A file with this in it.
+/// Bytes of a file with this payload.
 fn whole(payload: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + payload.len() + TAIL);
     bytes.extend_from_slice(MAGIC);
@@ -194,7 +195,7 @@ fn whole(payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What a file holds, or why it is not believed.
+/// Payload of a file's bytes, or the reason why they are not believed.
 fn parse(bytes: &[u8]) -> Result<&[u8], String> {
     let cut = || "it is cut or damaged".to_owned();
     let number = |at: usize| -> Option<u32> {

@@ -13,15 +13,15 @@ use super::uptime::Uptime;
 use super::{Books, LedgerError};
 use crate::desk::Desk;
 
-/// How far ahead is reserved: what a death costs.
+/// Time ahead for which heat is reserved: the cost of a death.
 const SPAN: Duration = Duration::from_millis(4000);
-/// Between two reserves. What is left of a span is a slow disk's.
+/// Time between two reserves. The rest of a span is for a slow disk.
 const RENEW: Elapsed = Elapsed::from_millis(1000);
-/// Outputs go off this long before a reserve is over.
+/// Time before the end of a reserve at which outputs go off.
 const MARGIN: Duration = Duration::from_millis(100);
-/// How long a disk may take at the beginning and at the end, where nothing is driven.
+/// Longest wait for the disk at the beginning and at the end, where nothing is driven.
 const PATIENCE: Elapsed = Elapsed::from_secs(5);
-/// What is wrong where nothing else is known.
+/// Failure of a write that has no other known cause.
 const SILENT: &str = "the disk does not answer";
 
 /// A guard as its loop showed it.
@@ -41,7 +41,8 @@ impl Shown {
         })
     }
 
-    /// What outlives it, and when that holds: with all that the next seconds may bring, or as it is.
+    /// Memory that outlives the guard, and the time at which it holds: with the heat of all that the next seconds may
+    /// bring, or as the guard is.
     fn outlives(&self, reserves: bool) -> (Uptime, Memory) {
         match reserves {
             true => (self.uptime.after(SPAN), self.guard.reserve(self.at, SPAN)),
@@ -50,48 +51,48 @@ impl Shown {
     }
 }
 
-/// How a run came to its end.
+/// State of the outputs at a run's end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     /// Everything is known to be off.
     Off,
-    /// It is not.
+    /// Outputs may be on.
     Unknown,
-    /// Nobody has said.
+    /// The run ended without a word.
     Unsaid,
 }
 
-/// What a fingertip's loop has on the desk.
+/// State of a fingertip's loop.
 #[derive(Debug)]
 struct Part {
     shown: Arc<Shown>,
-    /// The thread waits for a newer one.
+    /// `true` while the thread waits for a newer guard.
     is_old: bool,
-    /// No newer one will come.
+    /// `true` once no newer guard will come.
     is_last: bool,
 }
 
-/// What lies between the loops and the thread.
+/// State that the loops and the thread share.
 #[derive(Debug)]
 struct Papers {
     parts: Vec<Part>,
     end: Option<End>,
-    /// Why the newest write failed.
+    /// Reason for which the newest write failed.
     failed: Option<String>,
-    /// Nothing will be written any more.
+    /// `true` once nothing will be written any more.
     is_over: bool,
 }
 
 #[derive(Debug)]
 struct Shared {
     desk: Desk<Papers>,
-    /// Whether the thread waits for a fingertip's guard.
+    /// `true` while the thread waits for a fingertip's guard.
     asked: Vec<AtomicBool>,
-    /// Until when a reserve is on the disk, microseconds of the run.
+    /// End of the reserve on the disk, microseconds of the run.
     until_us: AtomicU64,
 }
 
-/// Accounts of a run with the thread that books there. Dropped without [`Self::end`], what is reserved stays booked.
+/// Accounts of a run with the thread that books there. Dropped without [`Self::end`], it leaves reserves booked.
 #[derive(Debug)]
 pub struct Keeper {
     shared: Arc<Shared>,
@@ -141,7 +142,7 @@ impl Keeper {
         }
     }
 
-    /// A fingertip's loop before a turn at `now`: shows its guard where that is asked for.
+    /// Shows a fingertip's guard before a turn at `now`, where that is asked for.
     ///
     /// # Errors
     /// [`LedgerError::Reserve`] where nothing is reserved for the turn: the outputs are to go off.
@@ -157,16 +158,16 @@ impl Keeper {
         }
     }
 
-    /// A fingertip's loop has ended before the others'.
+    /// Takes the guard of a fingertip's loop that ends before the others'.
     pub fn leave(&self, fingertip: usize, now: Instant, guard: &Guard) {
         self.shared.show(fingertip, now, guard, true);
     }
 
-    /// The end of the run: what came true takes the place of the reserve, where everything is known to be `off`. These are the
-    /// guards of all fingertips.
+    /// Ends the run: true heat and dose take the place of the reserve, where everything is known to be `off`. `states`
+    /// has the guards of all fingertips.
     ///
     /// # Errors
-    /// [`LedgerError::Reserve`] with why that could not be kept: the reserve stays booked.
+    /// [`LedgerError::Reserve`] with the reason why that could not be kept: the reserve stays booked.
     pub fn end(&self, states: &[(Instant, &Guard)], off: bool) -> Result<(), LedgerError> {
         self.shared.desk.leave(|papers| {
             for (part, (at, guard)) in papers.parts.iter_mut().zip(states) {
@@ -223,13 +224,13 @@ impl Shared {
         }
     }
 
-    /// Why nothing is reserved.
+    /// Reason for which nothing is reserved.
     fn why(&self) -> String {
         let failed = self.desk.left().failed.clone();
         failed.unwrap_or_else(|| SILENT.into())
     }
 
-    /// Reserves until the end.
+    /// Renews reserves until the end.
     fn serve(&self, books: &Books) {
         loop {
             let (shown, until) = self.taken();
@@ -251,7 +252,7 @@ impl Shared {
         }
     }
 
-    /// What lies on the desk, and until when a reserve from it lasts for the loops that go on.
+    /// Newest guards of all loops, and the end of a reserve from them, by the loops that go on.
     fn taken(&self) -> (Vec<Arc<Shown>>, Instant) {
         let papers = self.desk.left();
         let live = papers.parts.iter().filter(|part| !part.is_last);
@@ -269,7 +270,7 @@ impl Shared {
         }
     }
 
-    /// The last that is written.
+    /// Writes the accounts for the last time.
     fn finish(&self, books: &Books, end: End) {
         let (shown, _) = self.taken();
         let written = match end {
@@ -283,7 +284,7 @@ impl Shared {
     }
 }
 
-/// Writes what outlives these guards; in words why not.
+/// Writes the memory that outlives these guards. The error is the reason in words.
 fn write(books: &Books, shown: &[Arc<Shown>], reserves: bool) -> Result<(), String> {
     let states: Vec<_> = shown.iter().map(|shown| shown.outlives(reserves)).collect();
     let written: io::Result<()> = books.write(&states);

@@ -1,4 +1,4 @@
-//! What accounts hold, as words of 64 bits, the lowest byte first. Figures are the bits of doubles.
+//! Layout of accounts, as words of 64 bits, the lowest byte first. Figures are the bits of doubles.
 
 use palpate_core::guard::{Doses, Spent, WireMemory};
 use palpate_core::units::{Duration, Instant};
@@ -7,28 +7,28 @@ use super::uptime::Uptime;
 
 /// Words of a wire.
 const WORDS: usize = 68;
-/// In place of a figure that is not there.
+/// Word in place of an absent figure.
 const ABSENT: u64 = u64::MAX;
 
-/// Where a wire hangs on its hardware.
+/// Output of its hardware that a wire hangs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// The bus of a driver unit; zero on an adapter, which is one.
     pub bus: u8,
     /// The board's address.
     pub board: u8,
-    /// Its channel.
+    /// Channel of the board.
     pub channel: u8,
 }
 
-/// What is kept of a wire.
+/// Heat and dose that are kept of a wire.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Kept {
     pub(super) output: Output,
-    /// When the rest holds.
+    /// Time at which the other fields hold.
     pub(super) uptime: Uptime,
     pub(super) wire: WireMemory,
-    /// Of its fingertip.
+    /// Energy that the wire's fingertip has spent.
     pub(super) tip: Spent,
     pub(super) face_k: f64,
 }

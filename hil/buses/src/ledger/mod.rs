@@ -1,9 +1,9 @@
-//! The ledger: what outlives every process. Heat of the tissue by the hardware that is on it, and dose by wearer, over all
-//! hardware.
+//! The ledger: heat and dose that outlive every process. Heat of the tissue by the hardware that is on it, and dose by
+//! wearer, over all hardware.
 //!
-//! A run reads its accounts before anything is opened. Once the hardware is its own it holds them: a thread reserves the
-//! worst heat of the next seconds ahead, and without a reserve nothing may be driven. A clean end puts what came true in its
-//! place, and a death leaves it booked.
+//! A run reads its accounts before anything is opened. Once the hardware is its own it holds them: a thread reserves
+//! the worst heat of the next seconds ahead, and without a reserve nothing may be driven. A clean end replaces the
+//! reserve by true heat, and a death leaves it booked.
 
 mod account;
 mod keeper;
@@ -24,26 +24,26 @@ use account::{Account, Held};
 use layout::Kept;
 use uptime::Uptime;
 
-/// Why an account that is whole is not believed.
+/// Reason for which an account that is whole is not believed.
 const ODD: &str = "no guard has such heat or dose";
 
-/// Why nothing may be driven.
+/// Errors of the ledger, for which nothing may be driven.
 #[derive(Debug, thiserror::Error)]
 pub enum LedgerError {
-    /// What heat or dose there is, is not known.
+    /// The account cannot be read: its heat or dose is unknown.
     #[error("{}: {why}", .file.display())]
     Unreadable {
         /// The account's file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Reason why the account cannot be read.
         why: String,
     },
-    /// Nothing can be kept there.
+    /// Accounts cannot be kept in the folder.
     #[error("{}: heat cannot be kept there: {error}; a folder for all users is made with `{}`", .folder.display(), remedy(.folder.parent().unwrap_or(.folder)))]
     Folder {
         /// The folder of all accounts.
         folder: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
     /// Another run books on the same account: the hardware is another's, or its wearer is.
@@ -52,7 +52,7 @@ pub enum LedgerError {
     /// Another run has ended between two looks.
     #[error("{}: another run has just booked there: start again", .0.display())]
     Changed(PathBuf),
-    /// No reserve was to be had.
+    /// No reserve could be written.
     #[error("heat cannot be kept: {0}")]
     Reserve(String),
 }
@@ -60,9 +60,9 @@ pub enum LedgerError {
 /// A fingertip of a run.
 #[derive(Clone, Debug)]
 pub struct Fingertip {
-    /// Its wires in the display's order: the number of their hardware, and where they hang on it.
+    /// Wires in the display's order: the number of their hardware, and their output on it.
     pub wires: Vec<(usize, Output)>,
-    /// The number of who wears it; `None` where the dose is kept elsewhere.
+    /// Number of the wearer; `None` where the dose is kept elsewhere.
     pub wearer: Option<usize>,
 }
 
@@ -74,7 +74,7 @@ pub struct Ledger {
     fingertips: Vec<Fingertip>,
 }
 
-/// The folder of all accounts: renaming over another user's file is what the sticky folder of stops does not allow.
+/// Folder of all accounts: the sticky folder of stops does not allow to rename over another user's file.
 pub fn folder() -> PathBuf {
     state_folder().join("heat")
 }
@@ -90,7 +90,7 @@ fn dose_of(wearer: &str) -> String {
 /// Forgets heat and dose in a folder of accounts: a person's decision. Returns whether there was any.
 ///
 /// # Errors
-/// [`LedgerError::Held`] while a run books there, and what the system says.
+/// [`LedgerError::Held`] while a run books there, and the system's error.
 pub fn forget(folder: &Path, hardware: &[String], wearers: &[String]) -> Result<bool, LedgerError> {
     let heat = hardware.iter().map(|name| heat_of(name));
     let names = heat.chain(wearers.iter().map(|name| dose_of(name)));
@@ -134,8 +134,8 @@ impl Ledger {
         })
     }
 
-    /// Heat and dose of a fingertip as of now. A wire that was never driven is cold. Where it is not known how long ago the
-    /// rest was written, nothing of it has cooled.
+    /// Heat and dose of a fingertip as of now. A wire that was never driven is cold. Heat of unknown age has not
+    /// cooled.
     pub fn memory(&self, fingertip: usize) -> Memory {
         self.memory_at(fingertip, Uptime::now())
     }
@@ -156,7 +156,7 @@ impl Ledger {
             }
             wire
         };
-        // Wires that were of one fingertip have its power in common; what was of several adds up.
+        // Wires of one fingertip share its power; the powers of several fingertips add up.
         let mut tips: Vec<(Uptime, Spent)> = Vec::new();
         let mut face_k = 0.0_f64;
         for kept in wires.iter().filter_map(find) {
@@ -218,15 +218,15 @@ impl Ledger {
 /// Accounts that are held.
 #[derive(Debug)]
 struct Books {
-    /// By hardware, with wires that are none of this run's.
+    /// Accounts by hardware, with the wires that are none of this run's.
     others: Vec<(Held, Vec<Kept>)>,
-    /// By wearer, with the dose before the run.
+    /// Accounts by wearer, with the dose before the run.
     wearers: Vec<(Held, Doses)>,
     fingertips: Vec<Fingertip>,
 }
 
 impl Books {
-    /// Writes what outlives the run, by fingertip, and when that holds.
+    /// Writes the memory that outlives the run, by fingertip, with its time.
     fn write(&self, states: &[(Uptime, Memory)]) -> io::Result<()> {
         for (number, (account, before)) in self.wearers.iter().enumerate() {
             let own = self.fingertips.iter().zip(states);

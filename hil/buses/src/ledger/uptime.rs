@@ -9,12 +9,12 @@ use super::account::checksum;
 use crate::pacer::nanoseconds;
 use crate::uptime::uptime_start;
 
-/// A moment: of which start of the machine, and how long after it, by CLOCK_BOOTTIME.
+/// A moment: the start of the machine, and the time after it, by CLOCK_BOOTTIME.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Uptime {
-    /// Stands for the start; zero where that is not known.
+    /// Number of the machine's start; zero where that is not known.
     pub(super) boot: u64,
-    /// Microseconds.
+    /// Time since the start, microseconds.
     pub(super) us: u64,
 }
 
@@ -28,8 +28,8 @@ impl Uptime {
         }
     }
 
-    /// How long this is after another moment; `None` where that is not known: of another start of the machine, or by a clock
-    /// that went back.
+    /// Time since another moment; `None` where that is not known: of another start of the machine, or by a clock that
+    /// went back.
     pub(super) fn since(self, earlier: Self) -> Option<Duration> {
         let is_known = self.boot != 0 && self.boot == earlier.boot;
         let us = self.us.checked_sub(earlier.us).filter(|_| is_known);

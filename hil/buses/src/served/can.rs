@@ -8,7 +8,7 @@ use nix::libc;
 use palpate_core::codec::can::CanFrame;
 use socketcan::{CanDataFrame, CanFrame as AnyFrame, CanSocket, Socket};
 
-/// What went through an interface.
+/// Counts of an interface's frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Frames sent.
@@ -17,7 +17,7 @@ pub struct Counts {
     pub lost: u64,
     /// Data frames with an 11-bit identifier received.
     pub received: u64,
-    /// Anything else: extended, remote, error frames.
+    /// Frames of other kinds: extended, remote, error.
     pub foreign: u64,
 }
 
@@ -33,7 +33,7 @@ impl Interface {
     /// Opens an interface that exists and is up.
     ///
     /// # Errors
-    /// What the system says: ENODEV if there is none of that name.
+    /// Error of the system: ENODEV if there is none of that name.
     pub fn open(name: &str) -> io::Result<Self> {
         let socket = CanSocket::open(name)?;
         socket.set_nonblocking(true)?;
@@ -44,12 +44,12 @@ impl Interface {
         })
     }
 
-    /// Its name.
+    /// Name of the interface.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What went through it.
+    /// Counts of the interface's frames.
     pub const fn counts(&self) -> Counts {
         self.counts
     }
@@ -58,7 +58,7 @@ impl Interface {
     /// the interface is down.
     ///
     /// # Errors
-    /// What the system says when the interface has gone.
+    /// Error of the system when the interface has gone.
     pub fn receive(&mut self) -> io::Result<Option<CanFrame>> {
         loop {
             let frame = match self.socket.read_frame() {
@@ -88,7 +88,7 @@ impl Interface {
     /// Sends a frame; one that the interface does not take now is lost, as on a real bus, and counted.
     ///
     /// # Errors
-    /// What the system says when the interface has gone.
+    /// Error of the system when the interface has gone.
     pub fn send(&mut self, frame: &CanFrame) -> io::Result<()> {
         let id = StandardId::new(frame.id());
         let Some(frame) = id.and_then(|id| CanDataFrame::new(id, frame.data())) else {
@@ -103,7 +103,7 @@ impl Interface {
     }
 }
 
-/// Whether a later attempt may succeed on the same socket.
+/// Tells whether a later attempt may succeed on the same socket.
 fn is_pause(error: &io::Error) -> bool {
     let number = error.raw_os_error();
     error.kind() == ErrorKind::WouldBlock || matches!(number, Some(libc::ENOBUFS | libc::ENETDOWN))

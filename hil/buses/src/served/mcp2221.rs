@@ -32,11 +32,11 @@ mod command {
     pub const READ_FLASH: u8 = 0xB0;
 }
 
-/// Arguments of the status command, and what they come back as (3.1.1).
+/// Arguments of the status command, and their echo in its answer (3.1.1).
 const CANCEL: u8 = 0x10;
 const SET_SPEED: u8 = 0x20;
 
-/// States of the I2C engine: zero is idle. The numbers are those Linux's driver tells apart.
+/// States of the I2C engine: zero is idle. Linux's driver tells these numbers apart.
 mod engine {
     /// Another controller holds the bus: EAGAIN.
     pub const BUSY: u8 = 0x01;
@@ -50,9 +50,9 @@ mod engine {
     pub const READ_COMPLETE: u8 = 0x55;
 }
 
-/// The bit of the status report that says "address not acknowledged".
+/// The bit of the status report for "address not acknowledged".
 const NACK_BIT: u8 = 0x40;
-/// In place of a length: the read has failed.
+/// Mark in place of a length: the read has failed.
 const FAILED: u8 = 127;
 
 /// A general purpose pin, 3.1.11: the kernel has a GPIO line of it.
@@ -62,7 +62,7 @@ struct GpPin {
     high: bool,
 }
 
-/// A write of which not all chunks are there yet.
+/// A write that still lacks chunks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Incoming {
     command: u8,
@@ -75,14 +75,14 @@ struct Incoming {
 #[derive(Clone, Debug)]
 pub struct Mcp2221 {
     divider: u8,
-    /// How the last transfer ended; zero: well.
+    /// Code of the last transfer's end; zero for a good one.
     state: u8,
     address: u8,
     requested: usize,
     incoming: Option<Incoming>,
     /// A complete write that waits for its repeated START.
     held: Option<(u8, Vec<u8>)>,
-    /// What a read brought, and how much of it has been fetched.
+    /// Bytes of a read, and the number of those that have been fetched.
     data: Vec<u8>,
     fetched: usize,
     reading: bool,
@@ -90,7 +90,7 @@ pub struct Mcp2221 {
 }
 
 impl Default for Mcp2221 {
-    /// As after power-on: 100 kHz asked for, nothing pending.
+    /// State after power-on: 100 kHz asked for, nothing pending.
     fn default() -> Self {
         Self {
             divider: 117,
@@ -108,7 +108,7 @@ impl Default for Mcp2221 {
 }
 
 impl Mcp2221 {
-    /// Whether a pin (0 to 3) is driven high; `None` for one that is an input, and floats.
+    /// Level of a pin (0 to 3): `true` where it is driven high; `None` for an input, which floats.
     pub fn pin(&self, number: usize) -> Option<bool> {
         let pin = self.pins.get(number).filter(|pin| pin.is_output);
         pin.map(|pin| pin.high)
@@ -161,7 +161,8 @@ impl Mcp2221 {
                 }
             }
             command::SET_PINS => {
-                // Change the value? To what? The direction? To what?
+                // Each pin's wish: whether to change the value and to which, whether to change the direction and to
+                // which.
                 for (pin, wish) in self.pins.iter_mut().zip(asked[2..18].chunks_exact(4)) {
                     if wish[0] != 0 {
                         pin.high = wish[1] != 0;
@@ -233,8 +234,9 @@ impl Mcp2221 {
         (self.data, self.fetched, self.reading) = (data, 0, true);
     }
 
-    /// Linux's driver never asks for the bytes of an SMBus block (6.1 to 6.12 at least): after the register's
-    /// write it fetches them. A length and as many bytes as a block has at most are what it expects.
+    /// Reads the block that Linux's driver expects. It never asks for the bytes of an SMBus block (6.1 to 6.12 at
+    /// least): after the register's write it fetches them. It expects a length and as many bytes as a block has at
+    /// most.
     fn read_block(&mut self, bus: &mut impl I2c) {
         let Some((address, bytes)) = self.held.take() else {
             return;
@@ -268,8 +270,8 @@ impl Mcp2221 {
         };
     }
 
-    /// A transfer's own answer names what has nothing to do with the chip; a missing acknowledge is for
-    /// the status and the fetch to tell.
+    /// Names failures that have nothing to do with the chip in the transfer's own answer; the status and the fetch tell
+    /// a missing acknowledge.
     fn tell_at_once(&self, answer: &mut [u8; REPORT]) {
         if matches!(self.state, engine::BUSY | engine::START_TIMEOUT) {
             (answer[1], answer[2]) = (1, self.state);
@@ -305,7 +307,7 @@ impl Mcp2221 {
             (self.state, self.reading) = (0, false);
         }
         if asked[3] == SET_SPEED {
-            // What went wrong before is over: the driver sets the speed before each transfer.
+            // Earlier failures are over: the driver sets the speed before each transfer.
             (answer[3], answer[4]) = (SET_SPEED, asked[4]);
             (self.divider, self.state) = (asked[4], 0);
         }

@@ -1,5 +1,5 @@
-//! Emulators served to other programs: frames on a CAN interface, chips behind a node that the kernel
-//! made, and the waiting between them. What is served, and when, is the owner's business.
+//! Emulators served to other programs: frames on a CAN interface, chips behind a node that the kernel made, and the
+//! waiting between them. The owner decides on content and time.
 
 pub mod can;
 pub mod mcp2221;

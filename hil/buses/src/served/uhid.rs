@@ -38,16 +38,16 @@ const DESCRIPTOR: [u8; 27] = [
     0x95, 0x40, 0x81, 0x02, 0x09, 0x01, 0x95, 0x40, 0x91, 0x02, 0xC0,
 ];
 
-/// What the kernel asks of the device.
+/// Request of the kernel to the device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Request {
     /// A report for the device.
     Report(Vec<u8>),
     /// A control transfer that this device does not know; the number belongs into the refusal.
     Get(u32),
-    /// The same, in the other direction.
+    /// A control transfer in the other direction that this device does not know; the number belongs into the refusal.
     Set(u32),
-    /// Start, stop, open, close: nothing to do.
+    /// Start, stop, open or close: nothing to do.
     Notice,
 }
 
@@ -72,7 +72,7 @@ impl Request {
     }
 }
 
-/// An event with its type and what follows it.
+/// An event with its type and its content.
 fn event(kind: u32, rest: &[&[u8]]) -> Vec<u8> {
     let mut bytes = kind.to_le_bytes().to_vec();
     rest.iter().for_each(|part| bytes.extend_from_slice(part));
@@ -92,7 +92,7 @@ fn input(report: &[u8; REPORT]) -> Vec<u8> {
     event(INPUT2, &[&(REPORT as u16).to_le_bytes(), report])
 }
 
-/// The device's own introduction; `unique` tells it from others of its kind.
+/// Request that introduces the device; `unique` tells it from others of its kind.
 fn create(unique: &str) -> Vec<u8> {
     event(
         CREATE2,
@@ -124,7 +124,7 @@ impl Uhid {
     /// Plugs the bridge in.
     ///
     /// # Errors
-    /// What `/dev/uhid` says: not there without the module, not ours without permission.
+    /// Error of `/dev/uhid`: not there without the module, not ours without permission.
     pub fn plug() -> io::Result<Self> {
         let file = OpenOptions::new()
             .read(true)
@@ -150,7 +150,7 @@ impl Uhid {
     /// The next request; `None` when there is none now.
     ///
     /// # Errors
-    /// What `/dev/uhid` says.
+    /// Error of `/dev/uhid`.
     pub fn receive(&mut self) -> io::Result<Option<Request>> {
         loop {
             match self.file.read(&mut self.buffer) {
@@ -167,7 +167,7 @@ impl Uhid {
     /// Gives the kernel a report.
     ///
     /// # Errors
-    /// What `/dev/uhid` says.
+    /// Error of `/dev/uhid`.
     pub fn send(&mut self, report: &[u8; REPORT]) -> io::Result<()> {
         self.file.write_all(&input(report))
     }
@@ -175,7 +175,7 @@ impl Uhid {
     /// Refuses a control transfer with EIO.
     ///
     /// # Errors
-    /// What `/dev/uhid` says.
+    /// Error of `/dev/uhid`.
     pub fn refuse(&mut self, request: &Request) -> io::Result<()> {
         let error = (libc::EIO as u16).to_le_bytes();
         let reply = match request {
@@ -196,7 +196,7 @@ impl Uhid {
         self.made("gpiochip")
     }
 
-    /// What the kernel made of this bridge, by the beginning of its name.
+    /// Node that the kernel made of this bridge, by the beginning of its name.
     fn made(&self, prefix: &str) -> Option<PathBuf> {
         let entries = std::fs::read_dir(self.device.get()?).ok()?.flatten();
         let names = entries.map(|e| e.file_name().to_string_lossy().into_owned());

@@ -26,7 +26,7 @@ impl Signals {
     /// Catches the three from now on.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the system.
     pub fn catch() -> io::Result<Self> {
         let mut set = SigSet::empty();
         for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP] {
@@ -37,7 +37,7 @@ impl Signals {
         Ok(Self(SignalFd::with_flags(&set, flags)?))
     }
 
-    /// Whether one has come since the last call.
+    /// Tells whether a signal has come since the last call.
     pub fn raised(&mut self) -> bool {
         matches!(self.0.read_signal(), Ok(Some(_)))
     }
@@ -53,7 +53,7 @@ impl AsFd for Signals {
 /// them can be read, or have an error to tell.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the system.
 pub fn wait(fds: &[BorrowedFd<'_>], until_ns: u64) -> io::Result<Vec<bool>> {
     let left = until_ns.saturating_sub(monotonic_ns());
     let left = TimeSpec::new((left / 1_000_000_000) as i64, (left % 1_000_000_000) as i64);

@@ -1,4 +1,4 @@
-//! What a publisher answers: echoes to wearers, what it is, and what is to be said of those who feel it.
+//! Answers of a publisher: echoes to wearers, facts about itself, and notes about those who feel it.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,9 +19,9 @@ use crate::net::{self, Net, NetError, zenoh};
 
 /// Wearers of a finger that are known at a time.
 const MOST_WEARERS: usize = 64;
-/// What a publisher that comes second says when it asks the first what it is.
+/// Payload with which a publisher that comes second asks the first for its facts.
 pub(super) const SECOND: &[u8] = b"second";
-/// A wearer of whom nothing comes is gone.
+/// Time after which a wearer who sends nothing is gone.
 const LEASE_US: u64 = 1_000_000;
 
 /// A wearer as its messages show it.
@@ -34,19 +34,19 @@ pub(super) struct Known {
     trouble: String,
 }
 
-/// Everyone who feels this finger, and what is to be said of them.
+/// Everyone who feels this finger, and the news about them.
 #[derive(Debug, Default)]
 pub(super) struct Wearers {
     pub(super) known: BTreeMap<String, Known>,
     pub(super) news: Vec<String>,
     pub(super) stops: Vec<String>,
     pub(super) refused_by: Vec<String>,
-    /// Whether a publisher that came second and went was told of.
+    /// `true` once a publisher that came second and went was told of.
     second: bool,
 }
 
 impl Wearers {
-    /// Takes what a wearer says.
+    /// Takes a wearer's message.
     fn hear(&mut self, name: &str, said: &Wearer, own: u64, now_us: u64) {
         if !self.known.contains_key(name) {
             if self.known.len() >= MOST_WEARERS {
@@ -93,7 +93,7 @@ impl Wearers {
         }
     }
 
-    /// Another publisher of this finger came and went, because this one is here.
+    /// Takes note that another publisher of this finger came and went, because this one is here.
     fn second(&mut self) {
         if !std::mem::replace(&mut self.second, true) {
             self.news
@@ -101,7 +101,7 @@ impl Wearers {
         }
     }
 
-    /// Forgets those of whom nothing comes.
+    /// Forgets wearers who send nothing any more.
     pub(super) fn look(&mut self, now_us: u64) {
         let gone = |k: &Known| now_us.saturating_sub(k.heard_us) > LEASE_US;
         let news = &mut self.news;
@@ -114,7 +114,7 @@ impl Wearers {
     }
 }
 
-/// What answers others while a skin is published.
+/// Subscriptions that answer others while a skin is published.
 pub(super) struct Answers {
     pub(super) wearers: Arc<Mutex<Wearers>>,
     pub(super) about: Arc<Mutex<About>>,
@@ -145,7 +145,7 @@ impl Answers {
     }
 }
 
-/// Echoes what wearers say, at once: by this they know how old readings can be.
+/// Echoes messages of wearers at once: by this they know how old readings can be.
 fn hear(
     net: &Net,
     finger: &FingerName,
@@ -179,7 +179,7 @@ fn hear(
     net::subscribe(&net.session, finger.wearer("*"), heard)
 }
 
-/// Says what is published to whoever wants to know.
+/// Answers questions about the publisher.
 fn tell(
     net: &Net,
     finger: &FingerName,
@@ -198,14 +198,14 @@ fn tell(
         let mut about = about.lock().unwrap_or_else(PoisonError::into_inner);
         let bytes = encoded(&mut *about);
         drop(about);
-        // Who does not get an answer asks again.
+        // An asker without an answer asks again.
         let _ = query.reply(key.clone(), bytes.bytes()).wait();
     };
     let queryable = net.session.declare_queryable(finger.about());
     queryable.callback(tell).wait().map_err(zenoh)
 }
 
-/// Who says what; `None` for what is no such message.
+/// Sender and message of a sample; `None` for one that is no message of a wearer.
 fn said(sample: &Sample) -> Option<(Name, Wearer)> {
     let bytes = net::bytes(sample)?;
     let name = sample.key_expr().as_str().rsplit('/').next()?;

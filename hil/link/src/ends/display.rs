@@ -1,4 +1,4 @@
-//! `palpate-link display`: renders on a bench's outputs what comes of a finger, emulated ones or those of `hil run`.
+//! `palpate-link display`: renders frames of a finger on a bench's outputs, emulated ones or those of `hil run`.
 
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
@@ -21,9 +21,9 @@ use crate::cli::DisplayArgs;
 use crate::name::Name;
 use crate::net::{self, Mode};
 
-/// What waits for the loop at most: more than a turn of any skin.
+/// Messages that wait for the loop at most: more than a turn of any skin.
 const MOST_WAITING: usize = 512;
-/// What waits to be said to people at most.
+/// Lines for people that wait at most.
 const MOST_SAID: usize = 64;
 
 /// Runs it.

@@ -1,4 +1,4 @@
-//! The loop of a finger that feels what comes: projection clock, guard and deadlines are here; nothing that a network does
+//! The loop of a finger that feels frames: projection clock, guard and deadlines are here; nothing that a network does
 //! reaches an output but a fresh reading.
 
 use std::slice;
@@ -29,17 +29,17 @@ use crate::name::Name;
 use crate::net::Net;
 use crate::records::{Felt, OFFSET_WORDS, journal, layout_digest, session_of};
 
-/// What is taken in one turn at most: a flood must not keep the loop from its guard.
+/// Messages that are taken in one turn at most: a flood must not keep the loop from its guard.
 const MOST_TAKEN: usize = 64;
-/// A wearer speaks this often.
+/// Time between two messages of a wearer.
 const BEAT: Duration = Duration::from_millis(100);
-/// The first beats come faster: until publisher and wearer have heard of each other nothing is felt.
+/// Time between two of the first beats: until publisher and wearer have heard of each other nothing is felt.
 const FIRST_BEATS: Duration = Duration::from_millis(20);
 
-/// The record states the bounds of the clocks this often, and at the end.
+/// Time between two statements of the clocks' bounds in the record.
 const STATED: Duration = Duration::from_millis(1000);
 
-/// Whose finger it is, and on what.
+/// A wearer's finger: its options, name, setup and network.
 #[derive(Clone, Copy)]
 pub(super) struct Finger<'a> {
     pub(super) args: &'a DisplayArgs,
@@ -50,13 +50,13 @@ pub(super) struct Finger<'a> {
     pub(super) realtime: Option<bool>,
 }
 
-/// The loop of a finger that feels what comes.
+/// The loop of a finger that feels frames.
 pub(super) struct Feeling<'a, D> {
     args: &'a DisplayArgs,
     realtime: Option<bool>,
     clock: RunClock,
     waiting: Waiting,
-    /// What is to be said to people: they must not hold up the loop.
+    /// Lines for people, who must not hold up the loop.
     says: SyncSender<String>,
     gate: Gate,
     session: HeldSession<D>,
@@ -65,12 +65,12 @@ pub(super) struct Feeling<'a, D> {
     felt: Felt,
     stopwatch: Stopwatch,
     report: Option<Report>,
-    /// Compression of the publisher's scans, and whose they are.
+    /// Compression of the publisher's scans, with the publisher's session.
     shrunk: Option<(u64, Box<Shrunk>)>,
     /// The publisher whose reference was asked for.
     asked: Option<u64>,
     asks: Bucket,
-    /// Whether to ask with the next word.
+    /// `true` to ask for the publisher's reference with the next word.
     asks_now: bool,
     next_beat: Instant,
     next_stated: Instant,
@@ -79,7 +79,7 @@ pub(super) struct Feeling<'a, D> {
 }
 
 impl<'a, D: Watched> Feeling<'a, D> {
-    /// The loop of a projector on outputs that are opened last: what goes wrong before is no death that a guardian sees.
+    /// The loop of a projector on outputs that are opened last: an error before is no death that a guardian sees.
     pub(super) fn new(
         finger: Finger<'a>,
         projector: Projector,
@@ -197,7 +197,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         self.finish(end)
     }
 
-    /// What there is to say when it is over.
+    /// Finishes records and report when the run is over.
     fn finish(mut self, end: Instant) -> Result<(), Failure> {
         let latency = self.stopwatch.finish();
         self.felt
@@ -207,7 +207,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             self.say(&self.felt.line());
             self.say(&self.felt.latency().line());
         }
-        // What ended it counts, before what cannot be written.
+        // The failure that ended the run counts, before errors of its files.
         let ended = self.session.take_failure().map_or(Ok(()), Err);
         let written = self.journal.finish();
         if let Some(report) = self.report.take() {
@@ -219,7 +219,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         ended.and(written)
     }
 
-    /// Says something to people; where they do not keep up it is left out.
+    /// Tells people something; a line that finds no room is left out.
     fn say(&self, text: &str) {
         let _ = self.says.try_send(text.to_owned());
     }
@@ -233,7 +233,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         }
     }
 
-    /// Says how things are.
+    /// Sends the wearer's state.
     fn beat(&mut self, now: Instant, heard: &Heard) {
         self.said.said_us = self.clock.now().as_micros();
         self.said.feels = self.gate.feels(now).unwrap_or(0);
@@ -257,7 +257,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         if std::mem::take(&mut self.asks_now) {
             heard.voice.ask();
         }
-        // News of refusals are said once.
+        // Refusals are told once.
         self.said.refused.clear();
         if self.newest.is_some_and(|at| now.since(at) < BEAT) {
             self.said.trouble.clear();
@@ -312,7 +312,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
         }
     }
 
-    /// A frame: judged, and felt or not.
+    /// Takes a frame: judges it, and feels it or not.
     fn frame(&mut self, frame: Option<Frame>, arrived: Instant) {
         let Some(frame) = frame else {
             self.felt.damaged += 1;

@@ -1,4 +1,4 @@
-//! What a wearer's machine hears of a finger, and where it speaks: subscriptions that hand on to the loop.
+//! Subscriptions of a wearer's machine, which hand messages of a finger on to the loop, and the wearer's voice.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use crate::message::{self, Wearer};
 use crate::name::{FingerName, Name};
 use crate::net::{self, Net, zenoh};
 
-/// What arrives.
+/// Message that arrives.
 pub(super) enum Arrived {
     Touched(Vec<u8>),
     Scanned(Vec<u8>),
     Echo(Vec<u8>),
-    /// The compression of a publisher of scans, and whose it is.
+    /// Compression of a publisher of scans, with the publisher's session.
     Reference(u64, Box<Shrunk>),
-    /// More bytes than any message has, which were not copied.
+    /// A message with more bytes than any has, which were not copied.
     Oversized,
 }
 
-/// With its time of arrival.
+/// Messages that wait for the loop, each with its time of arrival.
 pub(super) type Waiting = Arc<Inbox<(Instant, Arrived)>>;
 
-/// What is subscribed to, and where the wearer speaks.
+/// Subscriptions of a wearer, and its voice.
 pub(super) struct Heard {
     pub(super) voice: Voice,
     _again: Option<Session>,
@@ -51,7 +51,7 @@ impl Heard {
         let subscribe = |session: &Session, key: String, of: fn(Vec<u8>) -> Arrived| {
             let waiting = Arc::clone(waiting);
             net::subscribe(session, key, move |sample| {
-                // Before it is looked at, and before it is copied.
+                // The time is taken before the message is looked at or copied.
                 let at = clock.now();
                 let arrived = net::bytes(&sample).map(|bytes| of(bytes.into_owned()));
                 waiting.push((at, arrived.unwrap_or(Arrived::Oversized)));
@@ -86,7 +86,7 @@ impl Heard {
         let publisher = net::frames(&net.session, finger.wearer(wearer.as_str()), &name);
         let answered = {
             let waiting = Arc::clone(waiting);
-            // Here, where it may take its time, and not in the loop.
+            // The work is done here, where it may take its time, and not in the loop.
             move |bytes: Vec<u8>| {
                 if let Some((owner, shrunk)) = rest.compress(&bytes) {
                     let reference = Arrived::Reference(owner, Box::new(shrunk));

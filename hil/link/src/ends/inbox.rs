@@ -1,10 +1,10 @@
-//! What arrived and waits for the loop: bounded, so that a flood costs the flood and nothing else.
+//! Bounded queue of messages for the loop: a flood costs the flood and nothing else.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Things that came, in their order.
+/// Messages in the order in which they came.
 #[derive(Debug)]
 pub struct Inbox<T> {
     held: Mutex<(VecDeque<T>, u64)>,
@@ -13,7 +13,7 @@ pub struct Inbox<T> {
 }
 
 impl<T> Inbox<T> {
-    /// With room for so many.
+    /// An inbox with room for so many.
     #[must_use]
     pub fn new(most: usize) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl<T> Inbox<T> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds one. Where there is no room it is counted and goes.
+    /// Adds a message. One that finds no room is counted and dropped.
     pub fn push(&self, one: T) {
         let mut held = self.held();
         if held.0.len() < self.most {
@@ -38,7 +38,7 @@ impl<T> Inbox<T> {
         }
     }
 
-    /// Waits until something comes, or so long.
+    /// Waits until something comes, `at_most` so long.
     pub fn wait(&self, at_most: Duration) {
         let held = self.held();
         if held.0.is_empty() {
@@ -47,12 +47,12 @@ impl<T> Inbox<T> {
         }
     }
 
-    /// The oldest.
+    /// Takes the oldest message.
     pub fn take(&self) -> Option<T> {
         self.held().0.pop_front()
     }
 
-    /// How many found no room.
+    /// Number of messages that found no room.
     pub fn overflowed(&self) -> u64 {
         self.held().1
     }

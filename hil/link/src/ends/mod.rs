@@ -1,4 +1,4 @@
-//! The two ends: a robot's skin that is published, and a wearer's display that renders what comes.
+//! The two ends: a robot's skin that is published, and a wearer's display that renders its frames.
 
 mod answers;
 pub mod display;

@@ -15,7 +15,7 @@ use crate::budget::Budget;
 /// Events that a page is made of at most: a minute and a half of one finger.
 const MOST: usize = 1 << 20;
 
-/// A report that is being gathered.
+/// A report while it is gathered.
 pub(super) struct Report {
     path: PathBuf,
     outputs: Outputs<'static>,
@@ -44,7 +44,7 @@ impl Report {
         })
     }
 
-    /// Keeps what happened, as long as there is room.
+    /// Keeps events, as long as there is room.
     pub(super) fn add(&mut self, events: &[Event]) {
         let room = (MOST - self.events.len()).min(events.len());
         self.events.extend_from_slice(&events[..room]);

@@ -1,4 +1,4 @@
-//! Compression by itself: scans in, contacts out, on whichever machine. No display, no guard.
+//! Compression by itself: scans in, contacts out, on either machine. No display, no guard.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels, scene_levels}
 
 use crate::message::{About, Body, Frame, VERSION};
 
-/// The newest frame's contacts beside what is recorded of it.
+/// The newest frame's contacts, and the recorder of the frames.
 struct Found {
     recorder: Recorder,
     newest: Option<Instant>,
@@ -51,7 +51,7 @@ pub struct Shrunk {
 }
 
 impl Shrunk {
-    /// For a setup's skin; with its scene's touches as the truth, where the skin is emulated here.
+    /// Compression of a setup's skin; with its scene's touches as the truth, where the skin is emulated here.
     ///
     /// # Errors
     /// [`Failure`] for what fits no loop.
@@ -87,13 +87,13 @@ impl Shrunk {
         &self.projector
     }
 
-    /// What was recorded of the frames.
+    /// Recorder of the frames.
     pub const fn recorder(&mut self) -> &mut Recorder {
         &mut self.found.recorder
     }
 }
 
-/// What a publisher of scans says of its skin at rest: the same scans make the same reference here.
+/// Setup of a publisher of scans, whose rest is rebuilt here: the same scans make the same reference.
 #[derive(Clone)]
 pub(super) struct Rest {
     pub(super) setup: Arc<Setup>,
@@ -102,7 +102,7 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// Compression with the reference that these bytes tell of, and whose it is; none where they tell of none.
+    /// Compression with the reference of these bytes, and its publisher's session; `None` where the bytes hold none.
     pub(super) fn compress(&self, bytes: &[u8]) -> Option<(u64, Shrunk)> {
         let about: About = decode(bytes)?;
         let wanted = self.setup.scene.value.reference_frames + 1;

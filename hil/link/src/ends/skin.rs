@@ -1,4 +1,4 @@
-//! `palpate-link skin`: publishes what a robot's skin feels, in real time, and answers its wearers.
+//! `palpate-link skin`: publishes a robot's skin, in real time, and answers its wearers.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration as Wait;
@@ -30,10 +30,10 @@ use crate::name::FingerName;
 use crate::net::{self, Mode, Net, zenoh};
 use crate::records::{journal, layout_digest, session_of};
 
-/// The skin is read this often.
+/// Time between two looks at the skin.
 const TURN: Duration = Duration::from_millis(1);
 
-/// What came of a run of this end.
+/// Report of a run of this end.
 #[derive(Debug, Default, Serialize)]
 struct Sent {
     finger: String,
@@ -43,9 +43,9 @@ struct Sent {
     wearers: Vec<String>,
     stops: Vec<String>,
     refused_by: Vec<String>,
-    /// What came over the interfaces of boards.
+    /// Reports of the boards' interfaces.
     can: Vec<CanReport>,
-    /// When the clock of the frames began, CLOCK_MONOTONIC of this machine, nanoseconds.
+    /// Start of the clock of the frames, CLOCK_MONOTONIC of this machine, nanoseconds.
     epoch_ns: i64,
 }
 
@@ -75,7 +75,7 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
     open(&setup, args, publishing)
 }
 
-/// Asks those who hold an access list whether this machine may publish the finger: zenoh itself drops in silence.
+/// Asks the holders of an access list whether this machine may publish the finger: zenoh itself drops in silence.
 fn may_publish(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
     let (Some(access), Some(name)) = (&net.access, &net.name) else {
         return Ok(());
@@ -149,12 +149,12 @@ struct Publishing<'a> {
     again: Option<&'a Session>,
 }
 
-/// What a publisher holds while it runs.
+/// State of a publisher while it runs.
 struct Turns<'a> {
     of: Publishing<'a>,
     clock: RunClock,
     publisher: Publisher<'static>,
-    /// The same over a second connection.
+    /// Publisher of the same frames over a second connection.
     again: Option<Publisher<'static>>,
     /// Contacts, whatever it publishes: its last word is one.
     farewell: Publisher<'static>,
@@ -300,7 +300,7 @@ impl Turns<'_> {
         ended
     }
 
-    /// Boards that are silent are told to send, and what befell a bus is told.
+    /// Tells silent boards to send, and notes events of the buses.
     fn look_after<S: Sensed>(&mut self, skin: &mut S, now: Instant) {
         let mut events = Vec::new();
         while let Some(note) = skin.note() {
@@ -315,7 +315,7 @@ impl Turns<'_> {
         self.shrunk.recorder().events.extend(events);
     }
 
-    /// The last word: nothing is touched any more. Wearers let go, where silence stops them.
+    /// Sends the last frame: nothing is touched any more. Wearers let go, where silence stops them.
     fn let_go(&mut self) {
         self.head.sequence += 1;
         self.head.sent_us = self.clock.now().as_micros();
@@ -326,11 +326,11 @@ impl Turns<'_> {
             truth: None,
         };
         frame.write(&mut self.message);
-        // Who does not hear it finds the silence.
+        // A wearer who does not get it finds the silence.
         drop(self.farewell.put(self.message.bytes()).wait());
     }
 
-    /// What there is to say of wearers.
+    /// Tells the news of wearers, and fails once one refuses this publisher.
     fn look(&mut self, wearers: &Mutex<Wearers>, now: Instant) -> Result<(), Failure> {
         let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
         wearers.look(now.as_micros());
@@ -353,7 +353,7 @@ impl Turns<'_> {
         }
     }
 
-    /// Takes a scan and sends what it makes.
+    /// Takes a scan and sends the frame that it makes.
     fn take(&mut self, scan: &ModuleScan<'_>) -> Result<(), Failure> {
         let wrong = |e: palpate_core::skin::ScanError| Failure::Device(format!("skin: {e}"));
         let made = self.shrunk.push(scan).map_err(wrong)?;
@@ -392,13 +392,13 @@ impl Turns<'_> {
         self.sent.bytes += bytes.len() as u64;
         self.publisher.put(bytes).wait().map_err(zenoh)?;
         if let Some(again) = &self.again {
-            // What the second connection does not carry the first one did.
+            // The first connection carries frames that the second one does not.
             drop(again.put(bytes).wait());
         }
         Ok(())
     }
 
-    /// The first scans make the reference: a wearer that compresses needs the same ones.
+    /// Keeps the first scans, which make the reference: a wearer that compresses needs the same ones.
     fn keep_rest(&mut self, module: usize) {
         let most = self.of.setup.scene.value.reference_frames + 1;
         let count = &mut self.resting[module];

@@ -1,4 +1,4 @@
-//! What may stand at the robot's end: boards on interfaces, an emulated skin, recorded rows, recorded frames of buses.
+//! Skins of the robot's end: boards on interfaces, an emulated skin, recorded rows, recorded frames of buses.
 
 use palpate_buses::pacer::RunClock;
 use palpate_core::units::{Duration, Instant};
@@ -11,12 +11,12 @@ use palpate_run::{CanPlayer, Failure, Input, Rows, plan, skin};
 use crate::cli::SkinArgs;
 use crate::records::keeps_frames;
 
-/// After a recording's last row.
+/// Time after a recording's last row.
 const AFTER: Duration = Duration::from_millis(100);
 
-/// What is done with a skin, whatever it is.
+/// Work with a skin of any kind.
 pub(super) trait WithSkin {
-    /// Does it, until `end` at the latest. The skin's own time is the clock's.
+    /// Works with the skin, until `end` at the latest. The skin's own time is the clock's.
     fn with<S: Sensed>(self, skin: S, clock: RunClock, end: Instant) -> Result<(), Failure>;
 }
 
@@ -27,7 +27,7 @@ pub(super) fn open(setup: &Setup, args: &SkinArgs, work: impl WithSkin) -> Resul
     if replay.is_empty() && setup.bench.value.kind == BenchKind::Real {
         let clock = RunClock::start();
         let skin = open_skin(setup, &layout, clock, keeps_frames(&args.record))?;
-        // What touches it is up to the world, and so is for how long.
+        // The world decides on touches, and on the end.
         return work.with(skin, clock, Instant::FAR_FUTURE);
     }
     if replay.is_empty() {

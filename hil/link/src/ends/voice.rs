@@ -1,4 +1,4 @@
-//! How a wearer's loop speaks: over a thread of its own, so that no network can hold up the guard.
+//! Voice of a wearer's loop: a thread of its own, so that no network can hold up the guard.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
@@ -10,10 +10,10 @@ use zenoh::{Session, Wait as _};
 
 use crate::message::MOST_BYTES;
 
-/// What waits to be said at most; more is left out, and the next word says it.
+/// Orders that wait at most; more are left out, and the next message makes up for them.
 const MOST_WAITING: usize = 8;
 
-/// What is to be said.
+/// Order to the voice's thread.
 enum Order {
     Say(Vec<u8>),
     Ask,
@@ -26,7 +26,7 @@ pub(super) struct Voice {
 }
 
 impl Voice {
-    /// Speaks through `publisher`, and asks publishers what they are under the key `about`, whose answers go to `answered`.
+    /// Speaks through `publisher`, and asks publishers for their facts under the key `about`; answers go to `answered`.
     pub(super) fn begin(
         session: Session,
         publisher: Publisher<'static>,
@@ -46,24 +46,24 @@ impl Voice {
 
     fn order(&self, order: Order) {
         if let Some(orders) = &self.orders {
-            // What finds no room is said by the next word.
+            // The next message makes up for one that finds no room.
             let _ = orders.try_send(order);
         }
     }
 
-    /// Says something.
+    /// Sends a message.
     pub(super) fn say(&self, bytes: Vec<u8>) {
         self.order(Order::Say(bytes));
     }
 
-    /// Asks publishers what they are.
+    /// Asks publishers for their facts.
     pub(super) fn ask(&self) {
         self.order(Order::Ask);
     }
 }
 
 impl Drop for Voice {
-    /// What was said last is to be heard.
+    /// Waits until the last order is carried out.
     fn drop(&mut self) {
         drop(self.orders.take());
         if let Some(thread) = self.thread.take() {
@@ -82,11 +82,11 @@ fn speak(
 ) {
     for order in waiting {
         match order {
-            // What does not reach the network is said again.
+            // A message that does not reach the network is sent again.
             Order::Say(bytes) => drop(publisher.put(bytes).wait()),
             Order::Ask => {
                 let answered = answered.clone();
-                // Who gets no answer asks again with a later frame.
+                // A wearer without an answer asks again with a later frame.
                 let asked = session.get(about).timeout(Duration::from_millis(500));
                 let asked = asked.callback(move |reply| {
                     if let Ok(sample) = reply.result()

@@ -1,15 +1,15 @@
-//! A sender's clock on the receiver's: what is certain about their difference.
+//! A sender's clock on the receiver's: certain bounds of their difference.
 //!
-//! Two facts bound it. What arrives was sent before, so `ours - theirs <= arrival - sent`. What the sender heard of us we had
-//! said before, so `ours - theirs >= said - heard`. No delay is assumed to be the same in both directions. Crystals drift, so
-//! both bounds give way with time.
+//! Two facts bound it. A frame was sent before it arrived, so `ours - theirs <= arrival - sent`. A message of ours was
+//! sent before the sender heard it, so `ours - theirs >= said - heard`. No delay is assumed to be the same in both
+//! directions. Crystals drift, so both bounds give way with time.
 
 use palpate_core::units::{Duration, Instant};
 
-/// How far two clocks may run apart, microseconds per second: two poor crystals, or one that is being set.
+/// Largest drift between two clocks, microseconds per second: two poor crystals, or one that is being set.
 const DRIFT: u64 = 500;
 
-/// The two bounds contradict each other: one of the clocks was set, or stood still. Nothing is known any more.
+/// Error of bounds that contradict each other: one of the clocks was set, or stood still. Nothing is known any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Jumped;
 
@@ -18,16 +18,16 @@ pub struct Jumped;
 pub struct Clock {
     /// Least of ours minus theirs, microseconds, and when that was learned.
     low: Option<(i64, Instant)>,
-    /// Most of it.
+    /// Most of ours minus theirs, microseconds, and when that was learned.
     high: Option<(i64, Instant)>,
-    /// What was said before this says nothing about the clocks as they are now.
+    /// Time of the newest start: messages from before it tell nothing about the clocks as they are now.
     since: Instant,
 }
 
-/// By how much a bound of this age gives way, microseconds.
+/// Loosening of a bound of this age, microseconds.
 fn drift(since: Instant, now: Instant) -> i64 {
     let most = now.since(since).as_micros().saturating_mul(DRIFT);
-    // Rounded to the unsafe side it would be no bound.
+    // Rounded the other way it would be no bound.
     signed(most.div_ceil(1_000_000))
 }
 
@@ -37,7 +37,7 @@ fn signed(micros: u64) -> i64 {
 }
 
 impl Clock {
-    /// Something arrived at `now` that had been sent at `sent`, microseconds of the sender's.
+    /// Takes a message that arrived at `now` and was sent at `sent`, microseconds of the sender's clock.
     ///
     /// # Errors
     /// [`Jumped`]; the clock starts anew.
@@ -52,7 +52,7 @@ impl Clock {
         self.check(now)
     }
 
-    /// The sender had heard at `heard`, microseconds of its own, what we said at `said`.
+    /// Takes an echo: the sender had heard at `heard`, microseconds of its own clock, our message of `said`.
     ///
     /// # Errors
     /// [`Jumped`]; the clock starts anew.
@@ -63,7 +63,7 @@ impl Clock {
         let bound = signed(said.as_micros()).saturating_sub(signed(heard));
         let older = self.low.map(|(low, at)| low.saturating_sub(drift(at, now)));
         if older.is_none_or(|older| bound >= older) {
-            // Learned when it was said: the drift since then counts.
+            // Learned at the time of our message: the drift since then counts.
             self.low = Some((bound, said));
         }
         self.check(now)
@@ -89,7 +89,7 @@ impl Clock {
         Some((low, high.saturating_add(drift(high_at, now))))
     }
 
-    /// The most time that may have passed since `theirs`, microseconds of the sender's; `None` until both have heard of
+    /// Longest time that may have passed since `theirs`, microseconds of the sender's; `None` until both have heard of
     /// each other.
     #[must_use]
     pub fn most_since(&self, theirs: u64, now: Instant) -> Option<Duration> {
@@ -99,7 +99,7 @@ impl Clock {
         Some(Duration::from_micros(u64::try_from(passed).unwrap_or(0)))
     }
 
-    /// Between which offsets the truth lies: least and most of ours minus theirs, microseconds.
+    /// Bounds of the true offset: least and most of ours minus theirs, microseconds.
     #[must_use]
     pub fn offset(&self, now: Instant) -> Option<(i64, i64)> {
         self.bounds(now)

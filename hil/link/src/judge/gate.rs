@@ -1,4 +1,4 @@
-//! The gate before a finger: which frames are felt.
+//! The gate before a finger, which decides on the frames that are felt.
 
 use std::fmt;
 
@@ -7,42 +7,42 @@ use palpate_core::units::{Duration, Instant};
 use super::clock::Clock;
 use super::rate::Bucket;
 
-/// What every frame says of itself.
+/// Head of every frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     /// Version of the messages.
     pub version: u32,
     /// The publisher's session: a number that no other start of a publisher has.
     pub session: u64,
-    /// Counts the frames of the session.
+    /// Number of the frame in its session.
     pub sequence: u64,
-    /// When it was sent, microseconds of the sender's clock.
+    /// Time at which the frame was sent, microseconds of the sender's clock.
     pub sent_us: u64,
-    /// When the skin was read.
+    /// Time at which the skin was read, microseconds of the sender's clock.
     pub taken_us: u64,
     /// Digest of the skin's layout.
     pub layout: u64,
 }
 
-/// What the gate holds frames against.
+/// Limits that the gate judges frames by.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
     /// Version of the messages.
     pub version: u32,
     /// Digest of the layout here.
     pub layout: u64,
-    /// How old a reading may be.
+    /// Largest age of a reading.
     pub deadline: Duration,
-    /// A publisher that is not felt for so long may be followed by another.
+    /// Time without a felt frame after which another publisher may follow.
     pub lease: Duration,
-    /// Frames per second.
+    /// Most frames per second.
     pub per_second: u32,
-    /// Frames at once.
+    /// Most frames at once.
     pub at_once: u32,
 }
 
 impl Patience {
-    /// The deadline is the guard's, the lease that of the transport.
+    /// Limits with the guard's deadline and the transport's lease.
     #[must_use]
     pub const fn new(version: u32, layout: u64) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl Patience {
         }
     }
 
-    /// The same for a skin of so many modules, each of which may come as a frame of its own.
+    /// Limits for a skin of so many modules, each of which may come as a frame of its own.
     #[must_use]
     pub fn of_modules(version: u32, layout: u64, modules: usize) -> Self {
         let modules = u32::try_from(modules).unwrap_or(u32::MAX);
@@ -75,19 +75,19 @@ fn may_be_old(age: &Duration, out: &mut fmt::Formatter<'_>) -> fmt::Result {
 
 macro_rules! refusals {
     ($($(#[$why:meta])* $kind:ident $(($with:ty))? = $count:ident),+ $(,)?) => {
-        /// Why a frame is not felt.
+        /// Reasons for which a frame is not felt.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
         pub enum Refusal { $($(#[$why])* $kind $(($with))?),+ }
 
         impl Refusal {
-            /// One word: the name of its count in a [`Tally`].
+            /// Word of the refusal: the name of its count in a [`Tally`].
             #[must_use]
             pub const fn word(&self) -> &'static str {
                 match self { $(Self::$kind { .. } => stringify!($count)),+ }
             }
         }
 
-        /// How many frames came to what.
+        /// Counts of frames by the gate's decision.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
         pub struct Tally {
             /// Frames that are felt.
@@ -132,7 +132,7 @@ refusals! {
     /// A reading that is newer than its frame.
     #[error("was read after it was sent")]
     Impossible = impossible,
-    /// One of the clocks was set: nothing is known of the age of what comes.
+    /// One of the clocks was set: the age of frames is unknown.
     #[error("a clock was set: the age of readings is not known")]
     Jumped = jumped,
     /// Publisher and wearer have not heard of each other yet, so nothing is known of its age.
@@ -149,13 +149,13 @@ struct Owner {
     session: u64,
     clock: Clock,
     bucket: Bucket,
-    /// Sequence number and reading of its newest frame.
+    /// Sequence number and reading of the publisher's newest frame.
     newest: Option<(u64, u64)>,
-    /// When a frame of it was last felt, or it became the owner.
+    /// Time at which a frame of this publisher was last felt, or it became the owner.
     felt: Instant,
 }
 
-/// The gate of one finger. Its memory is fixed, and a frame costs the same whatever came before.
+/// The gate of one finger. Its memory is fixed, and the cost of a frame does not depend on earlier ones.
 #[derive(Debug)]
 pub struct Gate {
     patience: Patience,
@@ -228,7 +228,7 @@ impl Gate {
             if head.sequence <= sequence || head.taken_us < taken_us {
                 return Err(Refusal::Order);
             }
-            // A number that no rate could have reached would shut out everything that is true.
+            // A number that no rate could have reached would shut out every true one.
             let passed_us = head.taken_us - taken_us;
             let reachable = (passed_us / 1_000_000 + 2).saturating_mul(patience.per_second.into());
             let step = head.sequence - sequence;
@@ -251,7 +251,7 @@ impl Gate {
         Ok(at)
     }
 
-    /// The publisher of this session had heard at `heard_us`, of its clock, what we said at `said`.
+    /// Takes an echo: the publisher of this session had heard at `heard_us`, of its clock, our message of `said`.
     pub fn echoed(&mut self, session: u64, said: Instant, heard_us: u64, now: Instant) {
         if let Some(owner) = self.owner.as_mut().filter(|o| o.session == session) {
             // A clock that was set is a refusal of the next frame.
@@ -272,15 +272,15 @@ impl Gate {
         self.owner.as_ref()?.clock.offset(now)
     }
 
-    /// By how much readings of that publisher are likely later than the time that [`Self::judge`] gives, which is the earliest
-    /// that is possible: half of what is not known of its clock. No deadline may hang on it.
+    /// Likely delay of readings of that publisher after the time that [`Self::judge`] gives, which is the earliest that
+    /// is possible: half of the uncertainty of its clock. No deadline may hang on it.
     #[must_use]
     pub fn likely_later(&self, now: Instant) -> Duration {
         let (low, high) = self.offset(now).unwrap_or((0, 0));
         Duration::from_micros(high.abs_diff(low) / 2)
     }
 
-    /// What came so far.
+    /// Counts of frames so far.
     #[must_use]
     pub const fn tally(&self) -> &Tally {
         &self.tally

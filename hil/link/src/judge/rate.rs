@@ -1,4 +1,4 @@
-//! How often something may come.
+//! Limits of rates.
 
 use palpate_core::units::Instant;
 
@@ -7,13 +7,13 @@ use palpate_core::units::Instant;
 pub struct Bucket {
     per_second: u64,
     most_us: u64,
-    /// What it holds, in microseconds' worth.
+    /// Tokens in the bucket, in microseconds' worth.
     held_us: u64,
     at: Instant,
 }
 
 impl Bucket {
-    /// A full one.
+    /// A full bucket.
     #[must_use]
     pub const fn new(per_second: u32, at_once: u32) -> Self {
         // A rate of nothing would be no rate.
@@ -31,7 +31,7 @@ impl Bucket {
         }
     }
 
-    /// Takes one; `false` where there is none.
+    /// Takes a token; `false` where there is none.
     pub fn take(&mut self, now: Instant) -> bool {
         let passed = now.since(self.at).as_micros();
         self.at = self.at.max(now);

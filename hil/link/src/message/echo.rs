@@ -1,4 +1,5 @@
-//! What a publisher answers a wearer: when it heard it. By this the wearer's machine knows how old readings can be.
+//! Answer of a publisher to a wearer: the time at which it heard it. By this the wearer's machine knows how old
+//! readings can be.
 
 use palpate_records::mcap::{Described, Visit};
 
@@ -11,9 +12,9 @@ pub struct Echo {
     pub session: u64,
     /// The wearer's session.
     pub wearer: u64,
-    /// When the wearer said it, microseconds of its clock.
+    /// Time of the wearer's message, microseconds of the wearer's clock.
     pub said_us: u64,
-    /// When it was heard, microseconds of the publisher's clock.
+    /// Time at which the message was heard, microseconds of the publisher's clock.
     pub heard_us: u64,
 }
 

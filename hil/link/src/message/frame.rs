@@ -11,7 +11,7 @@ use crate::judge::Head;
 /// Contacts of a frame at most.
 const MOST_CONTACTS: usize = 256;
 
-/// Where an emulated skin is truly touched, for what measures.
+/// True touch of an emulated skin, for measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
     /// Place on the driving module, mm.
@@ -20,16 +20,16 @@ pub struct Truth {
     pub force_n: f64,
 }
 
-/// What a frame carries.
+/// Content of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body {
     /// All contacts as of the reading; compression was on the robot's side.
     Touched(Vec<Contact>),
     /// One module's raw counts, along x, y and z for each taxel; compression is on the wearer's side.
     Scanned {
-        /// The module.
+        /// Number of the module.
         module: u16,
-        /// Its counts.
+        /// Counts of the module.
         counts: Vec<[u16; 3]>,
     },
 }
@@ -37,11 +37,11 @@ pub enum Body {
 /// A frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// What it says of itself.
+    /// Head of the frame.
     pub head: Head,
-    /// What it carries.
+    /// Content of the frame.
     pub body: Body,
-    /// Where the skin is truly touched, where that is known.
+    /// True touch, where that is known.
     pub truth: Option<Truth>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Described<'a> for Touched {
 
     fn fields(&mut self, visit: &mut impl Visit<'a>) {
         begin(&mut self.head, &mut self.truth, visit);
-        // One more shows that there are too many.
+        // Room for one more shows that there are too many.
         visit.several(&mut self.contacts, MOST_CONTACTS + 1, |visit, contact| {
             visit.message("contacts", contact);
         });
@@ -111,7 +111,7 @@ impl<'a> Described<'a> for Scanned<'a> {
 }
 
 impl Frame {
-    /// Writes the message in place of what was written before.
+    /// Writes the message in place of earlier content.
     pub fn write(&self, message: &mut Message) {
         let (head, truth) = (self.head, self.truth);
         match &self.body {

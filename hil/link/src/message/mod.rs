@@ -1,4 +1,4 @@
-//! What crosses the network: protocol buffers (proto3), as in a recording. Bytes only.
+//! Messages of the network: protocol buffers (proto3), as in a recording. Bytes only.
 //!
 //! Every message begins with the version. A field that is not known is passed over, a field that is missing is zero.
 
@@ -18,7 +18,7 @@ use palpate_records::mcap::{Described, full_name};
 /// Version of the messages; grows when one changes its meaning.
 pub const VERSION: u32 = 1;
 
-/// Bytes of a message at most: a scan of ten thousand taxels. More is refused before it is looked at.
+/// Most bytes of a message: a scan of ten thousand taxels. A longer one is refused before it is looked at.
 pub const MOST_BYTES: usize = 1 << 16;
 
 /// The encoding of a message as zenoh names it.

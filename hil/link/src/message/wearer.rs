@@ -1,26 +1,26 @@
-//! What a wearer's machine says, ten times per second; and what a publisher says of itself when it is asked.
+//! Message of a wearer's machine, ten times per second, and a publisher's answer when it is asked about itself.
 
 use palpate_records::mcap::{Described, FieldKind, Visit};
 
 /// Publishers that are named as refused at most.
 const MOST_REFUSED: usize = 8;
 
-/// What a wearer's machine says.
+/// Message of a wearer's machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wearer {
     /// Version of the messages.
     pub version: u32,
     /// The wearer's session.
     pub session: u64,
-    /// When it was said, microseconds of the wearer's clock.
+    /// Time of the message, microseconds of the wearer's clock.
     pub said_us: u64,
     /// The publisher's session that is felt; 0 for none.
     pub feels: u64,
     /// Sessions of publishers that are refused, because another is felt.
     pub refused: Vec<u64>,
-    /// Why the wearer's outputs are off for good; empty while they are not.
+    /// Reason for which the wearer's outputs are off for good; empty while they are not.
     pub stopped: String,
-    /// Why the newest frame that was not felt was not; empty where all are.
+    /// Reason for which the newest refused frame was not felt; empty where all are felt.
     pub trouble: String,
 }
 
@@ -42,7 +42,7 @@ impl<'a> Described<'a> for Wearer {
     }
 }
 
-/// What a publisher says of itself.
+/// Facts of a publisher.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct About {
     /// Version of the messages.
@@ -57,7 +57,7 @@ pub struct About {
     pub scene: String,
     /// `contacts` or `scans`.
     pub kind: String,
-    /// The scans that its reference was made of, each a `Scanned`; for wearers that compress. Only where it sends scans.
+    /// The scans of its reference, each a `Scanned`, for wearers that compress; empty where it sends contacts.
     pub rest: Vec<Vec<u8>>,
 }
 

@@ -1,4 +1,4 @@
-//! The access list of a lab: who may publish which fingers, and who may feel them. A file, and zenoh's rules from it.
+//! The access list of a lab: rights to publish and to feel fingers. A file, and zenoh's rules from it.
 
 use std::path::Path;
 
@@ -19,30 +19,30 @@ pub struct Member {
     /// Fingers that it may feel.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub feels: Vec<String>,
-    /// Whether it may read everything: lists and recordings.
+    /// `true` where the member may read everything: lists and recordings.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub watches: bool,
-    /// Whether it passes on what others say. It is trusted to hold them to this list.
+    /// `true` where the member passes on what others say. It is trusted to hold them to this list.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub relays: bool,
 }
 
-/// The list.
+/// The access list.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Access {
-    /// Everyone of the lab.
+    /// Members of the lab.
     #[serde(default, rename = "member")]
     pub members: Vec<Member>,
 }
 
-/// Whether a text is three parts of a key, each a name or `*`.
+/// Tells whether a text is three parts of a key, each a name or `*`.
 fn is_pattern(text: &str) -> bool {
     let parts: Vec<&str> = text.split('/').collect();
     parts.len() == 3 && parts.iter().all(|p| *p == "*" || p.parse::<Name>().is_ok())
 }
 
-/// Whether a pattern has this finger.
+/// Tells whether a pattern has this finger.
 fn has(pattern: &str, finger: &str) -> bool {
     let (pattern, finger) = (pattern.split('/'), finger.split('/'));
     pattern.zip(finger).all(|(p, f)| p == "*" || p == f)
@@ -77,7 +77,7 @@ impl Access {
         Ok(access)
     }
 
-    /// Whether a member may publish a finger.
+    /// Tells whether a member may publish a finger.
     #[must_use]
     pub fn may_publish(&self, name: &str, finger: &str) -> bool {
         let members = self.members.iter().filter(|m| m.name == name);
@@ -85,7 +85,7 @@ impl Access {
         patterns.any(|pattern| has(pattern, finger))
     }
 
-    /// Zenoh's rules. What is not allowed is denied, and zenoh says nothing about it.
+    /// Zenoh's rules. Everything that is not allowed is denied, in silence.
     #[must_use]
     pub fn settings(&self) -> Value {
         let everything = vec![format!("{ROOT}/**")];

@@ -21,29 +21,29 @@ const CERTIFICATE: &str = "cert.pem";
 const KEY: &str = "key.pem";
 const ACCESS: &str = "access.toml";
 
-/// The authority lasts for ten years.
+/// Days for which the authority lasts: ten years.
 const AUTHORITY_DAYS: i64 = 3650;
 
-/// Clocks of two machines may differ: a certificate counts from an hour before it was made.
+/// Time before its making from which a certificate counts, since clocks of two machines may differ.
 const BEFORE: Duration = Duration::hours(1);
 
-/// What is wrong with keys.
+/// Errors of keys and certificates.
 #[derive(Debug, Error)]
 pub enum LabError {
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A file that is none of these.
+    /// A file with other content than its name promises.
     #[error("{path}: expected {expected}; make it with `palpate-link keys`")]
     Content {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What it should have been.
+        /// Content that the file should have.
         expected: String,
     },
     /// A certificate whose time is over, or has not come.
@@ -51,13 +51,13 @@ pub enum LabError {
         "{path}: the certificate of `{name}` counts from {from} to {until}; make another with `palpate-link keys`"
     )]
     Time {
-        /// Which.
+        /// The certificate's file.
         path: PathBuf,
-        /// Whose.
+        /// Name in the certificate.
         name: String,
-        /// From.
+        /// Time from which it counts.
         from: String,
-        /// Until.
+        /// Time until which it counts.
         until: String,
     },
     /// A certificate of another lab's authority.
@@ -65,15 +65,15 @@ pub enum LabError {
         "{path}: the certificate of `{name}` is not of the authority in {AUTHORITY} beside it; copy the whole folder that `palpate-link keys` made"
     )]
     Foreign {
-        /// Which.
+        /// The certificate's file.
         path: PathBuf,
-        /// Whose.
+        /// Name in the certificate.
         name: String,
     },
-    /// The access list.
+    /// Error of the access list.
     #[error("{0}")]
     Access(String),
-    /// Cryptography that fails.
+    /// Error of the cryptography.
     #[error("certificates: {0}")]
     Made(#[from] rcgen::Error),
 }
@@ -84,7 +84,7 @@ pub struct Lab {
     folder: PathBuf,
     /// The name in its certificate.
     pub name: String,
-    /// Who may do what.
+    /// Rights of all members.
     pub access: Access,
     until: OffsetDateTime,
 }
@@ -224,7 +224,7 @@ impl Lab {
         })
     }
 
-    /// Whether its certificate counts no more, by the whole seconds of TLS.
+    /// Tells whether its certificate counts no more, by the whole seconds of TLS.
     #[must_use]
     pub fn has_expired(&self) -> bool {
         now() >= self.until + Duration::SECOND
@@ -241,14 +241,14 @@ impl Lab {
             "connect_certificate": path(CERTIFICATE),
             "connect_private_key": path(KEY),
             "enable_mtls": true,
-            // Who a machine is says its certificate, by which the access list knows it; addresses change.
+            // A machine's certificate names it, and the access list knows it by that; addresses change.
             "verify_name_on_connect": false,
             "close_link_on_expiration": true,
         })
     }
 }
 
-/// The authority of a lab: its certificate, and what signs for it.
+/// The authority of a lab: its certificate, and its signer.
 fn authority(folder: &Path) -> Result<(String, Issuer<'static, KeyPair>), LabError> {
     let (path, key_path) = (folder.join(AUTHORITY), folder.join(AUTHORITY_KEY));
     if path.exists() || key_path.exists() {

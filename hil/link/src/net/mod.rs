@@ -1,4 +1,4 @@
-//! The network: a session of zenoh with settings that suit a wearer, who may speak to whom, certificates.
+//! The network: a session of zenoh with settings that suit a wearer, rights to speak, certificates.
 
 mod access;
 mod certificates;
@@ -22,7 +22,7 @@ use zenoh::{Session, Wait};
 use crate::message::MOST_BYTES;
 use crate::name::ROOT;
 
-/// A publisher of frames: what cannot be sent at once is dropped, and nothing waits to fill a packet.
+/// A publisher of frames: a frame that cannot be sent at once is dropped, and none waits to fill a packet.
 ///
 /// # Errors
 /// [`NetError`] where zenoh refuses.
@@ -62,8 +62,8 @@ pub fn bytes(sample: &Sample) -> Option<Cow<'_, [u8]>> {
 }
 
 impl Net {
-    /// Answers those who ask whether they may publish a finger, where there is an access list: zenoh drops in silence what
-    /// it forbids.
+    /// Answers questions whether a machine may publish a finger, where there is an access list: zenoh drops in
+    /// silence everything that it forbids.
     ///
     /// # Errors
     /// [`NetError`] where zenoh refuses.
@@ -84,7 +84,7 @@ impl Net {
                 true => "yes",
                 false => "no",
             };
-            // Who gets no answer is refused in silence, as before.
+            // A machine without an answer is refused in silence, as before.
             let _ = query.reply(key.clone(), format!("{word} {own}")).wait();
         };
         let queryable = self.session.declare_queryable(format!("{ROOT}/may/**"));

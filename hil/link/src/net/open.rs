@@ -16,30 +16,30 @@ use super::access::Access;
 use super::certificates::Lab;
 use super::words;
 
-/// Where sessions of one machine meet.
+/// Address at which sessions of one machine meet.
 const MEETING: &str = "127.0.0.1:7450";
 
-/// Of a larger message zenoh throws away what comes, piece by piece, and says nothing; the link stays.
+/// Largest message, bytes: zenoh silently throws away the pieces of a larger one as they come; the link stays.
 const MOST_BYTES: u32 = 1 << 20;
 
-/// Whether the own certificate still counts is looked at this often.
+/// Time between two looks at the expiry of the own certificate.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Others are waited for so long at the start; they may come later.
+/// Longest wait for others at the start; they may come later.
 const FIRST: Duration = Duration::from_millis(1500);
 
-/// One attempt to reach a relay lasts so long, milliseconds; between two of them a signal is looked for.
+/// Longest attempt to reach a relay, milliseconds; between two of them a signal is looked for.
 const ATTEMPT_MS: i64 = 1000;
 
-/// How zenoh says that nothing answered, which may be otherwise a second later.
+/// Zenoh's words when nothing answered, which may be otherwise a second later.
 const UNREACHED: &str = "Unable to connect";
 
-/// What a session is in the network.
+/// Role of a session in the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Speaks with those that it is connected to, or through a relay where [`At::relay`] names one.
     Peer,
-    /// Introduces peers that connect to it to each other, and passes on what those say that speak through it.
+    /// Introduces peers that connect to it to each other, and passes on messages of those that speak through it.
     Router,
 }
 
@@ -54,7 +54,7 @@ impl Mode {
     }
 }
 
-/// Where to listen and to connect, and how.
+/// Addresses to listen at and to connect to, and their protection.
 #[derive(Clone, Debug, Default)]
 pub struct At {
     /// Addresses to listen on, host:port.
@@ -63,14 +63,15 @@ pub struct At {
     pub connect: Vec<String>,
     /// The folder of certificates and access list; without it text is plain.
     pub keys: Option<PathBuf>,
-    /// Whether plain text may leave this machine.
+    /// `true` where plain text may leave this machine.
     pub plain: bool,
     /// The relay that everything goes through; without it ends speak directly.
     pub relay: Option<String>,
 }
 
 impl At {
-    /// For a second session of the same end: it connects where the first one does, and needs no port of its own there.
+    /// Addresses for a second session of the same end: it connects where the first one does, and needs no port of its
+    /// own.
     #[must_use]
     pub fn beside(&self) -> Self {
         Self {
@@ -79,22 +80,22 @@ impl At {
         }
     }
 
-    /// Whether it connects to another machine.
+    /// Tells whether the end connects to another machine.
     #[must_use]
     pub fn leaves_machine(&self) -> bool {
         !connect_is_local(self.connect.iter().chain(&self.relay))
     }
 }
 
-/// Why there is no session.
+/// Errors of a session that cannot be opened.
 #[derive(Debug, Error)]
 pub enum NetError {
-    /// An address is none.
+    /// A text that is no address.
     #[error("{option} {address}: expected HOST:PORT, such as 192.168.1.5:7450 or [::1]:7450")]
     Address {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What it said.
+        /// Value of the option.
         address: String,
     },
     /// Plain text would leave the machine.
@@ -102,18 +103,18 @@ pub enum NetError {
         "{option} {address}: expected --keys DIR for an address that is not of this machine: readings and stimuli would cross the network in plain text. Make certificates with `palpate-link keys`, or say --plain"
     )]
     Plain {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What it said.
+        /// Value of the option.
         address: String,
     },
-    /// Certificates or the access list.
+    /// Error of certificates or the access list.
     #[error(transparent)]
     Lab(#[from] super::certificates::LabError),
     /// The relay never answered.
     #[error("--relay {0}: no relay answered before the end")]
     Silent(String),
-    /// What zenoh says.
+    /// Error of zenoh.
     #[error("zenoh: {0}")]
     Zenoh(String),
 }
@@ -127,7 +128,7 @@ impl From<NetError> for Failure {
     }
 }
 
-/// A session, and who it is.
+/// A session, and the member that it is.
 #[derive(Debug)]
 pub struct Net {
     /// The session.
@@ -141,7 +142,7 @@ pub struct Net {
 /// Opens a session. A relay is tried until it answers or a signal comes.
 ///
 /// # Errors
-/// [`NetError`] for addresses, certificates, and what zenoh refuses.
+/// [`NetError`] for addresses, certificates, and refusals of zenoh.
 pub fn open(at: &At, mode: Mode, signals: &Signals) -> Result<Net, NetError> {
     words::begin();
     let planned = Planned::of(at, mode)?;
@@ -165,8 +166,9 @@ pub fn open(at: &At, mode: Mode, signals: &Signals) -> Result<Net, NetError> {
     })
 }
 
-/// Closes a session when the own certificate has expired, and says so if it `tells`. Zenoh closes the links that it has then,
-/// and makes new ones within the same second, since TLS counts whole ones; of those it never looks at the certificate again.
+/// Closes a session when the own certificate has expired, and notes that if it `tells`. Zenoh closes the links that it
+/// has then, and makes new ones within the same second, since TLS counts whole ones; of those it never looks at the
+/// certificate again.
 fn until_expiry(lab: Lab, session: Session, tells: bool) -> Result<(), NetError> {
     let watch = move || {
         let clock = RunClock::start();
@@ -183,12 +185,13 @@ fn until_expiry(lab: Lab, session: Session, tells: bool) -> Result<(), NetError>
         let _ = session.close().wait();
     };
     let thread = std::thread::Builder::new().name("expiry".into());
-    // It ends with the program.
+    // The thread ends with the program.
     let started = thread.spawn(watch).map(drop);
     started.map_err(|e| NetError::Zenoh(format!("a thread: {e}")))
 }
 
-/// A second session of an end that has one. It must not keep the first from its work: what hinders it is told, and no more.
+/// Opens a second session of an end that has one. It must not keep the first from its work: an error is told, and no
+/// more.
 pub fn open_beside(at: &At) -> Option<Session> {
     let opened = Planned::of(&at.beside(), Mode::Peer).and_then(|planned| {
         let session = zenoh::open(planned.config).wait().map_err(zenoh)?;
@@ -235,7 +238,7 @@ pub(crate) fn zenoh(error: zenoh::Error) -> NetError {
     NetError::Zenoh(error.to_string())
 }
 
-/// A session through a relay, as soon as that answers.
+/// Opens a session through a relay, as soon as that answers.
 fn through(relay: &str, config: &Config, signals: &Signals) -> Result<Session, NetError> {
     let mut is_told = false;
     loop {
@@ -252,7 +255,7 @@ fn through(relay: &str, config: &Config, signals: &Signals) -> Result<Session, N
     }
 }
 
-/// Where to listen and to connect, as zenoh writes it.
+/// Addresses to listen at and to connect to, as zenoh writes them.
 fn endpoints(at: &At, secure: bool) -> Result<(Vec<String>, Vec<String>), NetError> {
     let protocol = if secure { "tls" } else { "tcp" };
     let endpoint = |option, address: &String| -> Result<String, NetError> {
@@ -277,7 +280,7 @@ fn endpoints(at: &At, secure: bool) -> Result<(Vec<String>, Vec<String>), NetErr
         }
     }
     if listen.is_empty() {
-        // Peers do not pass on what others say: those who list or record have to reach this one too.
+        // Peers do not pass on messages of others: programs that list or record have to reach this one too.
         let local = connect_is_local(&at.connect);
         let any = if local { "127.0.0.1:0" } else { "0.0.0.0:0" };
         listen.push(format!("{protocol}/{any}"));
@@ -285,7 +288,7 @@ fn endpoints(at: &At, secure: bool) -> Result<(Vec<String>, Vec<String>), NetErr
     Ok((listen, connect))
 }
 
-/// What is asked at the start shall reach those who are there already.
+/// Waits until another session is reached, so that questions at the start find those who are there already.
 fn await_others(session: &Session) {
     let clock = RunClock::start();
     let info = session.info();
@@ -297,13 +300,13 @@ fn await_others(session: &Session) {
     }
 }
 
-/// Whether all of these are of this machine.
+/// Tells whether all of these addresses are of this machine.
 fn connect_is_local<'a>(addresses: impl IntoIterator<Item = &'a String>) -> bool {
     let local = |address: &String| checked("--connect", address, false).is_ok();
     addresses.into_iter().all(local)
 }
 
-/// An address, if text to and from it may be as it is.
+/// Checks an address: text to and from it may be plain.
 fn checked(option: &'static str, address: &str, anywhere: bool) -> Result<String, NetError> {
     let is_address = address
         .rsplit_once(':')
@@ -331,7 +334,8 @@ fn checked(option: &'static str, address: &str, anywhere: bool) -> Result<String
     })
 }
 
-/// With zenoh's own defaults a cut of five seconds is no event, and ends in a burst of old frames.
+/// Settings of a session. With zenoh's own defaults a cut of five seconds is no event, and ends in a burst of old
+/// frames.
 fn settings(mode: &str, listen: &[String], connect: &[String]) -> Value {
     // A client's session is open when it is connected, and not before.
     let (timeout_ms, exit) = match mode {

@@ -1,4 +1,4 @@
-//! What zenoh has to say, in the words of this program: each kind of trouble once in a while, on standard error.
+//! Messages of zenoh in the words of this program: each kind of trouble once in a while, on standard error.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -9,13 +9,13 @@ use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Level, Metadata, Subscriber};
 
-/// The same trouble is told so often at most.
+/// Shortest time between two tellings of the same trouble.
 const ONCE_IN: Duration = Duration::from_secs(5);
 
 /// Troubles that are remembered.
 const MOST: usize = 64;
 
-/// What zenoh says of a peer, and what it means here.
+/// Words of zenoh about a peer, and their meaning here.
 const MEANINGS: [(&str, &str); 7] = [
     (
         "UnknownIssuer",
@@ -62,7 +62,7 @@ impl Visit for Text {
     }
 }
 
-/// What is said of something; `None` for what is no trouble.
+/// Words for a message of zenoh; `None` for one that is no trouble.
 pub(super) fn told(level: Level, text: &str) -> Option<String> {
     let meaning = MEANINGS.iter().find(|(word, _)| text.contains(word));
     if let Some((_, meaning)) = meaning {
@@ -113,7 +113,7 @@ impl Subscriber for Words {
     fn exit(&self, _: &Id) {}
 }
 
-/// From now on zenoh's troubles are told.
+/// Tells zenoh's troubles from now on.
 pub(super) fn begin() {
     // A program that has set another one keeps it.
     let _ = tracing::subscriber::set_global_default(Words::default());

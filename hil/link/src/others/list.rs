@@ -1,4 +1,4 @@
-//! `palpate-link list`: who publishes and who feels what, as they say themselves.
+//! `palpate-link list`: publishers and wearers of fingers, by their own words.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -29,7 +29,7 @@ struct Publisher {
     version: u32,
 }
 
-/// Who wears it.
+/// Wearer of a finger.
 #[derive(Debug, Serialize)]
 struct Worn {
     wearer: String,
@@ -38,7 +38,7 @@ struct Worn {
     stopped: String,
 }
 
-/// A finger.
+/// A finger with its publishers and wearers.
 #[derive(Debug, Default, Serialize)]
 struct Listed {
     finger: String,
@@ -48,17 +48,17 @@ struct Listed {
     silent: Vec<String>,
 }
 
-/// The finger of a key, and what comes after it.
+/// The finger of a key, and the rest of the key after it.
 fn split(key: &str) -> Option<(FingerName, &str)> {
     let rest = key.strip_prefix(ROOT)?.strip_prefix('/')?;
     let at = rest.match_indices('/').nth(2)?.0;
     Some((rest[..at].parse().ok()?, &rest[at + 1..]))
 }
 
-/// What wearers said, by finger and name.
+/// Newest message of each wearer, by finger and name.
 type Said = BTreeMap<(String, String), Wearer>;
 
-/// Keeps what wearers say.
+/// Keeps messages of wearers.
 fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, NetError> {
     let hear = move |sample: Sample| {
         let wearer = net::bytes(&sample).and_then(|bytes| decode::<Wearer>(&bytes));

@@ -14,22 +14,22 @@ use super::record::Recording;
 use crate::cli::MergeArgs;
 use crate::records::OFFSET_WORDS;
 
-/// What came of it.
+/// Counts and clock of a merge.
 #[derive(Debug, Serialize)]
 struct Merged {
     /// Messages of the robot's recording.
     robot: u64,
     /// Messages of the wearer's.
     wearer: u64,
-    /// What was taken off the wearer's times at the end, microseconds, and how far that may be wrong at most, at any time.
+    /// Offset that was taken off the wearer's times at the end, microseconds, and its largest error at any time.
     offset_us: i64,
     uncertainty_us: i64,
     /// Frames that both recordings have, of those that the robot sent.
     frames_felt: u64,
     frames_sent: u64,
-    /// Frames with contacts of the wearer that say what one of the robot says, where they were compared.
+    /// The wearer's frames with contacts that are the same as one of the robot's, where they were compared.
     frames_same: Option<u64>,
-    /// Where both recordings place the same frame's reading: largest distance in time, microseconds.
+    /// Largest distance in time between the two recordings' readings of one frame, microseconds.
     reading_us: Option<i64>,
 }
 
@@ -74,7 +74,7 @@ fn text(data: &[u8]) -> Option<String> {
     })
 }
 
-/// Bounds of a wearer's clock, ours minus theirs, microseconds, and when they were stated, nanoseconds of its own.
+/// Bounds of a wearer's clock, ours minus theirs, microseconds, with the time of the statement, nanoseconds of its own.
 #[derive(Clone, Copy, Debug)]
 struct Offset {
     t_ns: u64,
@@ -102,7 +102,7 @@ impl Offset {
     }
 }
 
-/// All that a wearer's recording states of its clock. One that was set is stated anew.
+/// All statements of a wearer's recording about its clock. One that was set is stated anew.
 fn offsets(lines: &[Line]) -> Vec<Offset> {
     let notes = lines.iter().filter(|l| l.topic.ends_with("/events"));
     notes.filter_map(Offset::read).collect()
@@ -131,7 +131,8 @@ fn frames<'a>(lines: &'a [Line]) -> impl Iterator<Item = u64> + 'a {
     frames.map(|l| l.t_ns)
 }
 
-/// Writes the contacts of both side by side, where that is wanted; how many frames of the wearer are one of the robot's.
+/// Writes the contacts of both side by side, where that is wanted. Returns the number of the wearer's frames that are
+/// one of the robot's.
 fn compared(
     args: &MergeArgs,
     all: &[Line],
@@ -214,7 +215,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     tell(args, &merged, left_out)
 }
 
-/// Says what came of it.
+/// Writes the report of the merge.
 fn tell(args: &MergeArgs, merged: &Merged, left_out: usize) -> Result<(), Failure> {
     let (middle, half) = (merged.offset_us, merged.uncertainty_us);
     if args.json {

@@ -1,4 +1,4 @@
-//! Programs beside the two ends: what introduces, lists, records, joins, and makes keys.
+//! Programs besides the two ends: they introduce, list, record, join, and make keys.
 
 pub mod keys;
 pub mod list;

@@ -1,4 +1,4 @@
-//! Contacts of the two ends side by side: which frame of the robot each frame of the wearer is.
+//! Contacts of the two ends side by side: each frame of the wearer with its frame of the robot.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use palpate_records::mcap::decode;
 use palpate_records::trace::{PlaceUm, event};
 use palpate_run::Failure;
 
-/// What is known of a frame's time beside the clocks: it may be as old as the guard lets it be, microseconds.
+/// Age that the guard lets a frame have, microseconds: its time is unknown by as much, beside the clocks.
 const AGE_US: u64 = 100_000;
 
 /// The contacts of one frame, as of one time.
@@ -50,8 +50,8 @@ const fn said(contact: &event::Contact) -> (u16, PlaceUm, u32, u16) {
     )
 }
 
-/// The wearer's frames at the robot's times and under its numbers, those of the frames that say the same. What has no
-/// such frame near keeps its own. Also how many have one.
+/// The wearer's frames at the robot's times and under its numbers, each by the robot's frame with the same contacts. A
+/// frame without such a one near keeps its own. Returns the number of frames that have one, too.
 pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<Frame>, usize) {
     let within_us = within_us.saturating_add(AGE_US);
     let (mut next, mut same) = (0, 0);
@@ -77,7 +77,7 @@ pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<
     (all.into_values().collect(), same)
 }
 
-/// Takes over time and number of a frame that says the same.
+/// Takes over time and number of a frame with the same contacts.
 fn take_over(frame: &mut Frame, same: &Frame) {
     frame.t_us = same.t_us;
     for (contact, of_same) in frame.contacts.iter_mut().zip(&same.contacts) {

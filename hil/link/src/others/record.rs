@@ -1,4 +1,4 @@
-//! `palpate-link record`: what crosses the network, as it crosses it, with its schemas.
+//! `palpate-link record`: records messages as they cross the network, with their schemas.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -34,13 +34,13 @@ pub(super) struct Recording {
     path: String,
 }
 
-/// What a recorder says of a file.
+/// Failure to write a recording's file.
 fn wrong(path: &str, error: &mcap::McapError) -> Failure {
     Failure::written(path)(std::io::Error::other(error.to_string()))
 }
 
 impl Recording {
-    /// Begins one, with these facts in it.
+    /// Begins a recording with these facts in it.
     pub(super) fn begin(
         path: &Path,
         force: bool,
@@ -115,7 +115,7 @@ impl Recording {
             .map_err(|e| wrong(path, &e))
     }
 
-    /// Ends it.
+    /// Ends the recording.
     pub(super) fn finish(mut self) -> Result<(), Failure> {
         let finished = self.writer.finish();
         finished.map(drop).map_err(|e| wrong(&self.path, &e))

@@ -11,10 +11,10 @@ use palpate_run::Failure;
 use crate::cli::{RelayArgs, after};
 use crate::net::{self, Mode};
 
-/// A signal is looked for this often.
+/// Time between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Waits for a signal, or so long.
+/// Waits for a signal, `seconds` at most.
 pub(super) fn wait(signals: &Signals, seconds: Option<f64>) {
     let clock = RunClock::start();
     let end = seconds.map_or(Instant::FAR_FUTURE, after);

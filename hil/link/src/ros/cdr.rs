@@ -1,11 +1,12 @@
-//! CDR, little endian, as ROS 2 has it: every member on a multiple of its own size, counted from after the header.
+//! CDR, little endian, the encoding of ROS 2: every member on a multiple of its own size, counted from after the
+//! header.
 
 /// A message that is being written.
 #[derive(Clone, Debug)]
 pub(super) struct Cdr(Vec<u8>);
 
 impl Cdr {
-    /// With its header: little endian, no options.
+    /// A message with its header: little endian, no options.
     pub(super) fn new() -> Self {
         Self(vec![0, 1, 0, 0])
     }
@@ -45,7 +46,7 @@ impl Cdr {
         self
     }
 
-    /// With its length, and a zero at the end that counts.
+    /// Writes a text with its length, and a zero at the end that counts.
     pub(super) fn text(&mut self, value: &str) -> &mut Self {
         // No text here comes near 4 GiB.
         self.u32(value.len() as u32 + 1);

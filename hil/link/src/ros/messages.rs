@@ -7,11 +7,11 @@ use super::cdr::Cdr;
 /// A type of message. The hash is a constant of its definition.
 #[derive(Clone, Copy, Debug)]
 pub struct Topic {
-    /// Such as `geometry_msgs`.
+    /// Package of the type, such as `geometry_msgs`.
     pub package: &'static str,
-    /// Such as `PointStamped`.
+    /// Name of the type, such as `PointStamped`.
     pub name: &'static str,
-    /// RIHS01.
+    /// Hash of the definition (RIHS01).
     pub hash: &'static str,
 }
 
@@ -29,7 +29,7 @@ pub const MARKERS: Topic = Topic {
     hash: "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf",
 };
 
-/// When and where: `std_msgs/Header`.
+/// Time and frame of reference: `std_msgs/Header`.
 #[derive(Clone, Debug)]
 pub struct Stamp {
     seconds: i32,
@@ -38,7 +38,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Of nanoseconds since 1970, in this frame of reference.
+    /// Stamp of nanoseconds since 1970, in this frame of reference.
     #[must_use]
     pub fn of(unix_ns: i64, frame: &str) -> Self {
         let (seconds, rest) = (
@@ -78,7 +78,7 @@ pub fn point(stamp: &Stamp, contact: &Contact) -> Vec<u8> {
     cdr.bytes()
 }
 
-/// A mark lasts so long unless the next frame has it again, nanoseconds.
+/// Lifetime of a mark unless the next frame has it again, nanoseconds.
 const LIFETIME_NS: u32 = 100_000_000;
 
 /// Every contact as a sphere, wider where it is stronger.
@@ -101,7 +101,7 @@ pub fn markers(stamp: &Stamp, contacts: &[Contact]) -> Vec<u8> {
         }
         let size = 1e-3 * (1.0 + f64::from(contact.intensity.max(0.0)).sqrt() * 0.1).min(5.0);
         cdr.f64(size).f64(size).f64(size);
-        // Orange.
+        // The colour is orange.
         cdr.f32(1.0).f32(0.45).f32(0.0).f32(1.0);
         cdr.i32(0).u32(LIFETIME_NS).u8(0);
         // No points, colours, texture, text or mesh.
@@ -112,7 +112,7 @@ pub fn markers(stamp: &Stamp, contacts: &[Contact]) -> Vec<u8> {
 }
 
 impl Stamp {
-    /// What ends a marker: texture, its coordinates, text, mesh and its file, none of which is used.
+    /// Writes the unused end of a marker: texture, its coordinates, text, mesh and its file.
     fn write_none(&self, cdr: &mut Cdr) {
         cdr.i32(0).u32(0).text(""); // texture: header
         cdr.text("").u32(0); // its format and data

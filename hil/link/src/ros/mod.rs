@@ -39,7 +39,7 @@ fn unix_ns() -> i64 {
 }
 
 impl Published {
-    /// Declares a topic and says so in ROS's graph.
+    /// Declares a topic and announces it in ROS's graph.
     fn new(
         session: &Session,
         domain: u16,
@@ -136,7 +136,7 @@ pub fn run(args: &RosArgs) -> Result<(), Failure> {
             let Body::Touched(contacts) = frame.body else {
                 continue;
             };
-            // When it was read: as long before now as before it was sent.
+            // Time of the reading: as long before now as before the frame was sent.
             let age_us = frame.head.sent_us.saturating_sub(frame.head.taken_us);
             let at =
                 unix_ns().saturating_sub(i64::try_from(age_us).unwrap_or(0).saturating_mul(1000));

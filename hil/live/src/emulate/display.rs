@@ -1,4 +1,5 @@
-//! A bench's emulated display whose bus is served: its chips, when their outputs change, and what flows in its wires.
+//! A bench's emulated display whose bus is served: its chips, the edges of their outputs, and the currents in its
+//! wires.
 
 use palpate_core::codec::pca9685::{FULL, LED0_ON_L};
 use palpate_core::units::Instant;
@@ -20,7 +21,7 @@ pub(crate) struct ServedDisplay {
     flowed: Flowed,
     /// The time of the last change of an output, or of the line that cuts all of them.
     last_edge: Nanos,
-    /// Whether the line on the chips' OE pins is high.
+    /// `true` while the line on the chips' OE pins is high.
     cut: bool,
 }
 
@@ -105,8 +106,8 @@ impl ServedDisplay {
     }
 }
 
-/// Whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with
-/// a pulse.
+/// Tells whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with a
+/// pulse.
 fn drives(chip: &Pca9685, cut: bool) -> bool {
     let high = chip.pins().contains(&Pin::High);
     high || !cut

@@ -28,13 +28,13 @@ use super::record::PinEdge;
 /// Frames of other programs that may wait for the emulated wire, a bus.
 const WAITING: usize = 4096;
 
-/// Both ends of a bench.
+/// Both ends of a bench: skin and display.
 pub(super) struct Hardware<'a> {
     setup: &'a Setup,
     layout: Layout,
     seed: u64,
     skin: Faulty<Handle>,
-    /// When the scene began; the skin's own time starts there.
+    /// Time at which the scene began; the skin's own time starts there.
     scene_zero: Nanos,
     script: Script,
     place: Place,
@@ -65,7 +65,7 @@ impl<'a> Hardware<'a> {
         })
     }
 
-    /// How many sensor buses there are.
+    /// Number of sensor buses.
     pub fn buses(&self) -> usize {
         self.skin.inner().with(|buses| buses.len())
     }
@@ -81,7 +81,7 @@ impl<'a> Hardware<'a> {
         skin::start(self.skin.inner_mut())
     }
 
-    /// Whether any board sends.
+    /// Tells whether any board sends.
     pub fn sends(&self) -> bool {
         let any =
             |b: &palpate_emulators::sensor::rig::SkinBus| b.boards().iter().any(|b| b.sending());
@@ -127,7 +127,7 @@ impl<'a> Hardware<'a> {
         Ok(events.into_iter().filter_map(words).collect())
     }
 
-    /// When something happens next on a sensor bus.
+    /// Time of the next event on a sensor bus.
     pub fn next_event(&self) -> Nanos {
         self.skin.inner().next_event() + self.scene_zero
     }
@@ -139,7 +139,7 @@ impl<'a> Hardware<'a> {
         Some((self.scene_zero + Nanos::from(received.at), received))
     }
 
-    /// A frame of another program onto an emulated wire; `false` if there was no room for it.
+    /// Puts a frame of another program onto an emulated wire; `false` if there was no room for it.
     pub fn hear(&mut self, bus: usize, frame: &CanFrame) -> bool {
         self.skin.transmit(bus as u8, frame).is_ok() // at most 256 buses, as the layout has it
     }
@@ -150,7 +150,7 @@ impl<'a> Hardware<'a> {
     }
 }
 
-/// Whether a start command is in this frame.
+/// Tells whether a frame is a start command.
 pub(super) fn starts(frame: &CanFrame) -> bool {
     matches!(decode(frame), Ok(Message::Command(c)) if c.start)
 }

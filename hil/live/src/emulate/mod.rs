@@ -28,37 +28,37 @@ pub use record::{CanRecord, Flowed, PinEdge, Record, WireRecord};
 
 use crate::telling::{Teller, Telling};
 
-/// Frames leave together when the last of so long a time has ended on the emulated wire: a turn a frame
-/// would be too many on a full bus.
+/// Time whose frames leave together once its last one has ended on the emulated wire: a turn for each frame would be
+/// too many on a full bus.
 const TURN_NS: u64 = 500_000;
-/// Without anything to do the outputs are still looked at this often.
+/// Time between two looks at the outputs when nothing else happens.
 const IDLE_NS: u64 = 10_000_000;
-/// The kernel has so long to make a node of the bridge.
+/// Longest time for the kernel to make a node of the bridge.
 const NODE_NS: u64 = 60_000_000_000;
 /// The bridge's pin that an OE line hangs on.
 const OE_PIN: usize = 0;
 
-/// What to serve, and how to speak of it.
+/// Interfaces, seed and output of an emulator that serves.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// CAN interfaces; empty: vcan0 and on, one a sensor bus.
     pub can: Vec<String>,
-    /// The scene begins with a start command.
+    /// `true` to begin the scene with a start command.
     pub await_start: bool,
     /// Pin 0 of the bridge, a GPIO line, is on the chips' OE pins, with a pull-up: cut until a client drives it
     /// low.
     pub oe: bool,
     /// Seed of all randomness.
     pub seed: u64,
-    /// How to speak.
+    /// Form of the words on standard output.
     pub telling: Telling,
 }
 
 /// Serves until a signal comes.
 ///
 /// # Errors
-/// [`Failure::Input`] for a scene or bench that cannot be built, [`Failure::Device`] for an interface or a
-/// node that is not to be had, with what gives it.
+/// [`Failure::Input`] for a scene or bench that cannot be built, [`Failure::Device`] for an interface or a node that is
+/// not to be had, with the remedy.
 pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     let mut hardware = Hardware::new(setup, options.seed)?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
@@ -135,7 +135,7 @@ fn open(names: &[String], buses: usize) -> Result<Vec<Interface>, Failure> {
     names.iter().map(interface).collect()
 }
 
-/// Everything that is served, and the time it has come to.
+/// The served hardware, and the time until which it has run.
 struct Server<'a> {
     setup: &'a Setup,
     await_start: bool,
@@ -163,7 +163,7 @@ impl Server<'_> {
         Nanos(monotonic_ns().saturating_sub(self.epoch))
     }
 
-    /// Something that should have left at `due` leaves now.
+    /// Keeps the largest lateness of messages: one that was due at `due` leaves now.
     fn was_due(&mut self, due: Nanos, now: Nanos) {
         let late_ms = now.since(due).0 as f64 / 1e6;
         self.record.latest_ms = self.record.latest_ms.max(late_ms);
@@ -197,7 +197,7 @@ impl Server<'_> {
         wait(&fds, self.epoch + until.0).map_err(|e| Failure::Device(format!("waiting: {e}")))
     }
 
-    /// Lets the emulators catch up with the clock.
+    /// Advances the emulators to the clock's time.
     fn advance(&mut self) -> Result<(), Failure> {
         let (now, epoch, teller) = (self.now(), self.epoch, &mut self.teller);
         let tell = |edge| teller.tell(&Told::Edge(edge));
@@ -207,7 +207,7 @@ impl Server<'_> {
         faults.iter().try_for_each(&mut tell)
     }
 
-    /// Boards' frames out, everybody else's in.
+    /// Sends the boards' frames, and takes everybody else's.
     fn exchange_frames(&mut self, ready: &[bool]) -> Result<(), Failure> {
         let gone = |name: &str, e: std::io::Error| Failure::Device(format!("{name}: {e}"));
         let now = self.now();
@@ -238,7 +238,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Takes what the kernel's driver asks of the bridge.
+    /// Takes requests of the kernel's driver to the bridge.
     fn take_requests(&mut self) -> Result<(), Failure> {
         while let Some(request) = self.uhid.receive().map_err(broken)? {
             match &request {
@@ -248,7 +248,7 @@ impl Server<'_> {
                     let answer = self.bridge.answer(report, &mut self.hardware.i2c());
                     let (end, after) = self.hardware.display.transfers();
                     self.follow_oe()?;
-                    // What needed no bus is answered at once.
+                    // A report that needed no bus is answered at once.
                     let due = if after > before { end } else { Nanos::ZERO };
                     self.answers.extend(answer.map(|a| (due, a)));
                 }
@@ -299,7 +299,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Once the kernel has a node for the bridge, says what is served.
+    /// Tells the served interfaces once the kernel has a node for the bridge.
     fn find_node(&mut self) -> Result<(), Failure> {
         if self.node.is_some() {
             return Ok(());

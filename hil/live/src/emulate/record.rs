@@ -1,4 +1,4 @@
-//! What the served hardware went through: told while it happens, and summed up at the end.
+//! Events of served hardware: told while it serves, and summed up at the end.
 
 use std::io::{self, Write};
 
@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use crate::telling::Say;
 
-/// Something that happened. Times are nanoseconds of CLOCK_MONOTONIC, so that other programs on this
-/// machine can hold theirs against them; within one run they are the emulators' own time plus a constant.
+/// An event of served hardware. Times are nanoseconds of CLOCK_MONOTONIC, so that other programs on this machine can
+/// compare theirs with them; within one run they are the emulators' own time plus a constant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Told<'a> {
     /// Both ends are there.
     Serving {
-        /// When.
+        /// Time of the event, ns of CLOCK_MONOTONIC.
         t_ns: u64,
         /// The scene.
         scene: &'a str,
@@ -30,14 +30,14 @@ pub enum Told<'a> {
     },
     /// The line on the chips' OE pins changed.
     Oe {
-        /// When.
+        /// Time of the event, ns of CLOCK_MONOTONIC.
         t_ns: u64,
         /// High: every output is cut.
         high: bool,
     },
     /// A start command began the scene.
     Started {
-        /// When.
+        /// Time of the event, ns of CLOCK_MONOTONIC.
         t_ns: u64,
     },
     /// An output changed.
@@ -58,12 +58,12 @@ pub enum Told<'a> {
     },
     /// A fault of the scene came or went.
     Fault {
-        /// When.
+        /// Time of the event, ns of CLOCK_MONOTONIC.
         t_ns: u64,
-        /// In words.
+        /// Words of the fault.
         text: &'a str,
     },
-    /// The end.
+    /// The summary at the end.
     Record(&'a Record),
 }
 
@@ -76,7 +76,7 @@ pub struct PinEdge {
     pub chip: u8,
     /// The chip's output.
     pub channel: u8,
-    /// Whether the output is high.
+    /// `true` where the output is high.
     pub high: bool,
 }
 
@@ -91,7 +91,7 @@ pub struct WireRecord {
     pub pulses: u64,
     /// The longest of them, microseconds.
     pub longest_us: f64,
-    /// When the pulse that has not ended began.
+    /// Time at which the pulse that has not ended began, ns.
     #[serde(skip)]
     high_since_ns: Option<u64>,
 }
@@ -99,7 +99,7 @@ pub struct WireRecord {
 /// One CAN interface.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CanRecord {
-    /// Its name.
+    /// Name of the interface.
     pub name: String,
     /// Frames sent.
     pub sent: u64,
@@ -107,13 +107,13 @@ pub struct CanRecord {
     pub lost: u64,
     /// Frames of other programs.
     pub received: u64,
-    /// Those of them for which the emulated wire had no room.
+    /// Received frames for which the emulated wire had no room.
     pub crowded_out: u64,
     /// Frames that no board reads: extended, remote, error.
     pub foreign: u64,
 }
 
-/// What flowed in emulated wires.
+/// Currents of emulated wires: pulses, energy and temperatures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Flowed {
     /// The display's wires, in its order.
@@ -122,17 +122,17 @@ pub struct Flowed {
     pub energy_mj: f64,
     /// Largest supply current, amperes.
     pub peak_supply_a: f64,
-    /// Hottest any wire was, degrees C.
+    /// Hottest temperature of any wire, degrees C.
     pub hottest_wire_c: f64,
-    /// Which one that was.
+    /// Index of that wire.
     pub hottest_wire: usize,
-    /// Hottest the skin was, 0.1 mm deep, degrees C.
+    /// Hottest temperature of the skin, 0.1 mm deep, degrees C.
     pub hottest_skin_c: f64,
     /// Hazardous things done to the chips.
     pub hazards: u64,
 }
 
-/// What it all came to.
+/// Record of the whole time served.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Record {
     /// Always `emulated`.
@@ -145,12 +145,12 @@ pub struct Record {
     pub i2c: String,
     /// Transfers on it.
     pub transfers: u64,
-    /// What flowed in the wires.
+    /// Currents of the wires.
     #[serde(flatten)]
     pub flowed: Flowed,
     /// Chips that still drive outputs at the end, by address.
     pub driving: Vec<u8>,
-    /// Longest that a frame or an I2C answer left after its time, milliseconds.
+    /// Largest lateness of a frame or an I2C answer, milliseconds.
     pub latest_ms: f64,
 }
 
@@ -164,7 +164,7 @@ impl WireRecord {
         }
     }
 
-    /// Counts an edge of it that came at `t_ns`.
+    /// Counts an edge of the output at `t_ns`.
     fn edge(&mut self, t_ns: u64, high: bool) {
         if high {
             self.high_since_ns = Some(t_ns);
@@ -194,7 +194,7 @@ impl Flowed {
         wire.edge(edge.t_ns, edge.high);
     }
 
-    /// Takes over what the display knows.
+    /// Takes over the display's totals.
     pub fn totals(&mut self, totals: &DisplayTotals) {
         self.energy_mj = totals.electrical_j * 1e3;
         self.peak_supply_a = f64::from(totals.peak_supply.0) / 1e3;
@@ -202,7 +202,7 @@ impl Flowed {
         self.hottest_skin_c = totals.hottest_tissue_c;
     }
 
-    /// Lines of a summary: the wires that were driven, what they came to, hazards if there were any.
+    /// Writes lines of a summary: the wires that were driven, their totals, hazards if there were any.
     ///
     /// # Errors
     /// Those of `out`.
@@ -233,7 +233,7 @@ impl Flowed {
 }
 
 impl Record {
-    /// As words of a summary.
+    /// Writes the record as words of a summary.
     fn words(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "served {:.1} s (emulated)", self.served_s)?;
         for can in &self.can {
@@ -256,7 +256,7 @@ impl Record {
 }
 
 impl Say for Told<'_> {
-    /// Words are few: what is served, faults, the record.
+    /// Writes words for few events: the served interfaces, faults, the record.
     fn words(&self, out: &mut dyn Write) -> io::Result<()> {
         match self {
             Told::Serving {

@@ -58,8 +58,8 @@ pub fn make(path: &Path) -> Result<(), Failure> {
 /// Reads a key file.
 ///
 /// # Errors
-/// [`Failure::Input`] for a file that other users may read, or that holds no key: zeros are what memory holds that nobody
-/// has written.
+/// [`Failure::Input`] for a file that other users may read, or that holds no key: zeros are the content of memory that
+/// nobody has written.
 pub fn read(path: &Path) -> Result<[u8; LENGTH], Failure> {
     let file = palpate_files::open(path, "a key (`hil unit --new-key FILE` makes one)")?;
     let mode = file

@@ -1,4 +1,4 @@
-//! A driver unit as its host meets it: the key that both share, and the unit over UDP.
+//! A driver unit for its host: the key that both share, and the unit over UDP.
 
 pub mod key;
 mod remote;

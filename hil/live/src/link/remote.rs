@@ -1,4 +1,4 @@
-//! A driver unit over UDP, as its host drives it in real time.
+//! A driver unit over UDP, driven by its host in real time.
 
 use std::net::SocketAddr;
 use std::time::Duration as Patience;
@@ -21,21 +21,21 @@ use palpate_run::unit::UnitReport;
 
 use super::key;
 
-/// How long a unit may take to answer, and another host to be gone.
+/// Longest wait for a unit's answer, and for another host to be gone.
 const PATIENCE: Duration = Duration::from_millis(2000);
-/// How long it may take to say that everything is off.
+/// Longest wait for a unit's word that everything is off.
 const OFF: Duration = Duration::from_millis(500);
-/// How long a computer may take to say that a port is closed.
+/// Longest wait for a computer's word that a port is closed.
 const CLOSED: Patience = Patience::from_millis(300);
-/// Between two looks at the socket.
+/// Time between two looks at the socket.
 const LOOK: Duration = Duration::from_micros(500);
 
-/// Where a unit is, and the key that is shared with it.
+/// Address of a unit, and the key that is shared with it.
 #[derive(Clone)]
 pub struct UnitPlace {
-    /// As the user named it.
+    /// Name of the unit as the user gave it.
     pub name: String,
-    /// Where datagrams go.
+    /// Address of datagrams to the unit.
     pub at: SocketAddr,
     /// The key.
     pub key: [u8; 32],
@@ -61,7 +61,7 @@ impl UnitPlace {
         }))
     }
 
-    /// What the lock and the stops of runs on this unit are of.
+    /// Hardware whose lock and stops concern runs on this unit.
     pub fn hardware(&self) -> Hardware {
         Hardware::unit(&self.name, &self.key)
     }
@@ -77,13 +77,13 @@ pub struct RemoteUnit {
     reading: Option<Instant>,
     state: State,
     boards: u8,
-    /// Of the first status: counters run since the unit's start.
+    /// First status in this run: the unit's counters run since its own start.
     before: Option<Status>,
     /// The newest status of any session.
     newest: Option<Status>,
-    /// An address that it answers from beside its own.
+    /// Address that the unit answers from beside its own.
     other: Option<SocketAddr>,
-    /// The version that another program there speaks.
+    /// Version of the link that another program there speaks.
     version: Option<u8>,
 }
 
@@ -141,8 +141,8 @@ impl RemoteUnit {
         }
     }
 
-    /// Asks who is there and begins no session: the round trip of the shortest exchange, and when that was answered by the
-    /// clock here.
+    /// Asks who is there and begins no session. Returns the answer, the round trip of the shortest exchange, and the
+    /// time of that answer by the clock here.
     ///
     /// # Errors
     /// [`Failure::Device`] where nothing answers under this key.
@@ -174,7 +174,7 @@ impl RemoteUnit {
         best.ok_or_else(|| self.refused())
     }
 
-    /// Exchanges datagrams until something is so; whether it came to that in time.
+    /// Exchanges datagrams until `done`. Returns whether it was so in time.
     fn until(&mut self, patience: Duration, done: impl Fn(&Self, Instant) -> bool) -> bool {
         let end = self.clock.now() + patience;
         loop {
@@ -191,7 +191,7 @@ impl RemoteUnit {
         }
     }
 
-    /// Why there is no session.
+    /// Failure for a session that did not begin.
     fn refused(&self) -> Failure {
         if let Some(strange) = self.strange() {
             return strange;
@@ -203,7 +203,7 @@ impl RemoteUnit {
                 "another host drives it; end that one (`hil off --unit {name} --key FILE` does), then start again"
             ),
             Err(UnitFault::Silent) | Ok(()) => {
-                // Nobody has to open it: what is sealed has a nonce of a session, and there is none.
+                // The datagram is plain: sealing it needs a nonce of a session, and there is none.
                 match is_closed(at, b"?", CLOSED) {
                     true => format!(
                         "expected a unit at {at}, nothing listens there: start it, or name its address"
@@ -218,7 +218,7 @@ impl RemoteUnit {
         Failure::Device(format!("unit {name}: {why}"))
     }
 
-    /// What no unit of a bench may do.
+    /// Failure for a unit that answers from another address or speaks another version; `None` for a good one.
     fn strange(&self) -> Option<Failure> {
         let (name, at) = (&self.place.name, self.place.at);
         let why = match (self.other, self.version) {
@@ -233,7 +233,7 @@ impl RemoteUnit {
         Some(Failure::Device(format!("unit {name}: {why}")))
     }
 
-    /// What ends a run on it at once.
+    /// Checks for causes that end a run on the unit at once.
     ///
     /// # Errors
     /// [`Failure::Guard`] for a stop by its own guard, [`Failure::Device`] for answers from another address.
@@ -254,12 +254,12 @@ impl RemoteUnit {
         &mut self.driver
     }
 
-    /// Where it is.
+    /// Address and key of the unit.
     pub const fn place(&self) -> &UnitPlace {
         &self.place
     }
 
-    /// The time of the newest reading, from now on in every command.
+    /// Sets the time of the newest reading, which every command carries from now on.
     pub fn tell(&mut self, reading: Option<Instant>) {
         self.reading = reading.or(self.reading);
         self.send();
@@ -273,7 +273,7 @@ impl RemoteUnit {
         }
     }
 
-    /// Takes what has come; a unit that stopped or goes on is noted.
+    /// Takes the datagrams that have come, and notes a unit that stops or goes on.
     pub fn hear(&mut self, events: &mut Vec<Event>) {
         let mut buffer: Buffer = [0; MOST];
         while let Some((length, from)) = self.socket.receive(&mut buffer) {
@@ -290,7 +290,7 @@ impl RemoteUnit {
             if let Err(Refusal::Version(found)) = header {
                 self.version = Some(found);
             }
-            // What is refused is counted.
+            // Refused datagrams are counted.
             let _ = self.driver.hear(now, datagram);
         }
         let Some(status) = self.driver.status() else {
@@ -312,10 +312,10 @@ impl RemoteUnit {
         }
     }
 
-    /// Everything off; waits until the unit has said so.
+    /// Switches everything off, and waits until the unit has confirmed it.
     ///
     /// # Errors
-    /// What is known in place of that.
+    /// The state that is known instead, in words.
     pub fn end(&mut self) -> Result<(), String> {
         match self.until(OFF, |unit, _| !unit.driver.is_asking()) {
             true => Ok(()),
@@ -326,7 +326,7 @@ impl RemoteUnit {
         }
     }
 
-    /// What came of it in this run.
+    /// Report of the unit in this run; `None` before its first status.
     pub fn report(&self) -> Option<UnitReport> {
         let (before, newest) = (self.before?, self.newest?);
         let link = self.driver.counts();

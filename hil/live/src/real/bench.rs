@@ -19,7 +19,7 @@ use palpate_run::{Failure, plan};
 
 use crate::again;
 
-/// The buses of a real bench.
+/// Section of a real bench's buses.
 pub(super) fn real_of(setup: &Setup) -> Result<&Real, Failure> {
     let bench = &setup.bench.value;
     bench
@@ -28,7 +28,7 @@ pub(super) fn real_of(setup: &Setup) -> Result<&Real, Failure> {
         .ok_or_else(|| Failure::Input(format!("bench `{}`: expected kind = \"real\"", bench.name)))
 }
 
-/// The guardian's view of a bench.
+/// Watch of the guardian over a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
     let ms = |ms: u32| Duration::from_millis(ms.into());
     let mut converters = plan::converters(bench).map_or(&[][..], |c| c.addresses);
@@ -82,10 +82,10 @@ pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
 /// Refuses while a stop is latched.
 ///
 /// # Errors
-/// [`Failure::Guard`] with what stopped it and how that is cleared.
+/// [`Failure::Guard`] with the cause of the stop and the way to clear it.
 pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     for bus in &watch.buses {
-        // Of an adapter that is not there, opening it says more.
+        // Opening an adapter that is not there tells more.
         let Ok(hardware) = Hardware::adapter(&bus.path) else {
             continue;
         };
@@ -96,7 +96,8 @@ pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Every adapter, and the guardian over them, last: from then on it can say off. Then what it found driving.
+/// Opens every adapter, and the guardian over them, last: from then on it can switch off. Returns the boards that it
+/// found driving, too.
 pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String), Failure> {
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
     let mut lines = Vec::new();
@@ -109,7 +110,7 @@ pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String)
     Ok((lines, guardian, found))
 }
 
-/// A run that has no guardian.
+/// Failure for a run that has no guardian.
 pub fn unguarded(error: &StartError) -> Failure {
     match error {
         StartError::Latched(_) => Failure::Guard(error.to_string()),
@@ -130,7 +131,7 @@ impl Interfaces {
         Self::numbered((0..).zip(interfaces(real, layout)?).collect(), clock)
     }
 
-    /// Those alone that carry boards of this layout.
+    /// The interfaces that carry boards of this layout.
     pub(super) fn of_boards(
         real: &Real,
         layout: &Layout,
@@ -152,7 +153,7 @@ impl Interfaces {
         self.buses.note()
     }
 
-    /// What has happened on each interface of the bench, as far as it is read here.
+    /// Tallies of all interfaces of the bench; zero for those that are not read here.
     pub(super) fn tallies(&self) -> Vec<Tally> {
         let count = self.numbers.last().map_or(0, |last| usize::from(*last) + 1);
         let mut all = vec![Tally::default(); count];
@@ -176,7 +177,7 @@ impl CanBus for Interfaces {
 
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), Self::Error> {
         let own = self.numbers.iter().position(|number| *number == bus);
-        // A bus that is none of these is refused below, as one that is not there.
+        // An interface outside the list is refused below, as an absent one.
         self.buses
             .transmit(own.map_or(u8::MAX, |own| own as u8), frame)
     }

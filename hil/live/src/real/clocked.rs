@@ -1,4 +1,4 @@
-//! Boards on adapters of this computer, whose driver knows what time it is when a transfer is over.
+//! Boards on adapters of this computer, whose driver knows the time at the end of a transfer.
 
 use embedded_hal::i2c::I2c;
 use palpate_buses::pacer::RunClock;
@@ -6,7 +6,7 @@ use palpate_core::driver::{Actuators, Banks, Driver, DriverError, Traffic};
 use palpate_core::guard::Guarded;
 use palpate_core::units::{Board, Instant};
 
-/// Boards, and the clock of the run.
+/// A driver of boards, with the clock of the run.
 pub struct Clocked<I> {
     banks: Banks<I>,
     clock: RunClock,
@@ -34,7 +34,7 @@ impl<I: I2c> Actuators for Clocked<I> {
         self.banks.all_off()
     }
 
-    /// A transfer that an adapter held up, or another finger's, stands later than it was asked for.
+    /// Time of the end of a transfer, which another finger's may have held up: later than it was asked for.
     fn confirmed(&self, asked: Instant) -> Instant {
         asked.max(self.clock.now())
     }

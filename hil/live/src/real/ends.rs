@@ -1,4 +1,5 @@
-//! Duties of both ends of a run in real time beside sensing and driving; the begin and the leave of sessions between them.
+//! Duties of both ends of a run in real time besides sensing and driving; the begin and the leave of sessions between
+//! them.
 
 use std::sync::Arc;
 
@@ -23,15 +24,15 @@ use crate::clock;
 
 /// The sensor end.
 pub trait Sensed: SkinEnd {
-    /// The outputs are ready: boards are told to send.
+    /// Tells boards to send: the outputs are ready.
     fn begin(&mut self) {}
 
-    /// Something that befell a bus.
+    /// Next note about a bus.
     fn note(&mut self) -> Option<Note> {
         None
     }
 
-    /// What has happened on each interface.
+    /// Tallies of all interfaces.
     fn tallies(&self) -> Vec<Tally> {
         Vec::new()
     }
@@ -42,7 +43,7 @@ pub type RealSkin = CanSkin<Tap<Interfaces>>;
 
 impl Sensed for RealSkin {
     fn begin(&mut self) {
-        // What is lost here is made up by the session, which tells silent boards again.
+        // The session makes up for an error here: it tells silent boards again.
         let _ = self.start_all();
     }
 
@@ -61,14 +62,15 @@ impl Sensed for Rows<'_> {}
 
 impl Sensed for CanSkin<Tap<CanPlayer<'_>>> {}
 
-/// The display end, and what watches over it.
+/// The display end, and its guardian.
 pub trait Watched: DisplayEnd {
-    /// What was found driving before the run, a line each.
+    /// Boards that were found driving before the run, a line each.
     fn found(&self) -> &str {
         ""
     }
 
-    /// Last of all before the outputs start: what may have fallen silent while the run was prepared is there again.
+    /// Meets the hardware again, last of all before the outputs start: it may have fallen silent while the run was
+    /// prepared.
     fn meet(&mut self) -> Result<(), Failure> {
         Ok(())
     }
@@ -76,37 +78,38 @@ pub trait Watched: DisplayEnd {
     /// Returns when no other display's transfer is on its bus.
     fn wait(&self) {}
 
-    /// Before a turn: whether the run may go on.
+    /// Checks before a turn that the run may go on.
     fn beat(&mut self, now: Instant) -> Result<(), Failure>;
 
-    /// What heat is booked with, and the number of this fingertip there; nothing of an emulated one.
+    /// Accounts of heat, and this fingertip's number in them; `None` for an emulated display.
     fn ledger(&self) -> Option<(&Arc<Heat>, usize)> {
         None
     }
 
-    /// Whether somebody switches off what this program leaves on.
+    /// Tells whether a guardian switches off outputs that this program leaves on.
     fn is_guarded(&self) -> bool {
         true
     }
 
-    /// The run cannot begin, for this cause.
+    /// Gives up the run before its begin, for this cause.
     fn abandon(&mut self, cause: &str);
 
-    /// The loop has ended and outputs are `off`, or may not be; whether that is known. `failed` if something else ended it.
+    /// Takes the end of the loop, with outputs `off` or the reason why they may be on; `failed` if something else ended
+    /// it. Returns whether they are known to be off.
     fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String>;
 
-    /// What came of the driver unit, where it is one.
+    /// Report of the driver unit; `None` where the end is none.
     fn unit(&self) -> Option<UnitReport> {
         None
     }
 
-    /// What came of that unit's Peltier module, where the bench has one.
+    /// Report of the Peltier module on that unit, where the bench has one.
     fn heat(&self) -> Option<HeatReport> {
         None
     }
 }
 
-/// The end of a run whose guardian is lost, or has stopped it.
+/// Failure of a run whose guardian is lost, or has stopped it.
 pub fn lost(lost: Lost) -> Failure {
     match lost {
         Lost::Halted(_) => Failure::Guard(lost.to_string()),
@@ -114,7 +117,7 @@ pub fn lost(lost: Lost) -> Failure {
     }
 }
 
-/// Nothing watches over an emulated finger.
+/// An emulated finger has no guardian.
 impl Watched for EmulatedDisplay {
     fn beat(&mut self, _now: Instant) -> Result<(), Failure> {
         Ok(())
@@ -127,7 +130,7 @@ impl Watched for EmulatedDisplay {
     }
 }
 
-/// A session between its ends that has not begun. What is looked at meanwhile is kept where it is `watched`; `taxels` are
+/// A session between its ends that has not begun. It keeps readings for views where it is `watched`; `taxels` are
 /// recorded.
 pub(super) fn assemble<S: Sensed, D: Watched>(
     (projector, drives): (Projector, usize),
@@ -150,10 +153,10 @@ pub(super) fn assemble<S: Sensed, D: Watched>(
     )
 }
 
-/// The display's part of a turn at `now`: what watches over it is there, and heat is reserved ahead.
+/// Takes the display's part of a turn at `now`: its guardian is there, and heat is reserved ahead.
 ///
 /// # Errors
-/// What ends the run.
+/// The failure that ends the run.
 pub fn beat<S: SkinEnd, D: Watched>(
     session: &mut Session<S, D>,
     now: Instant,
@@ -182,7 +185,7 @@ fn book<'a, S: SkinEnd + 'a, D: Watched + 'a>(
     heat.map_or(Ok(()), |heat| book(&heat, &guards))
 }
 
-/// Books what came true of the sessions' heat until `at`, where everything is known to be `off`.
+/// Books the sessions' true heat until `at`, where everything is known to be `off`.
 pub(super) fn settle<'a, S: SkinEnd + 'a, D: Watched + 'a>(
     sessions: impl Iterator<Item = &'a mut Session<S, D>>,
     at: Instant,
@@ -191,7 +194,7 @@ pub(super) fn settle<'a, S: SkinEnd + 'a, D: Watched + 'a>(
     book(sessions, at, |heat, guards| heat.end(guards, off))
 }
 
-/// Looks around before a turn: for time that nobody saw, for who watches over the display, for what befell its buses. Whether
+/// Checks before a turn for time that nobody saw, for the display's guardian, for events of its buses. Returns whether
 /// the run may go on. A stop for unseen time calls `at_once` before it switches anything off.
 pub(super) fn goes_on<S: Sensed, D: Watched>(
     session: &mut Session<S, D>,
@@ -200,7 +203,7 @@ pub(super) fn goes_on<S: Sensed, D: Watched>(
     at_once: impl FnOnce(),
 ) -> bool {
     if let Some(unseen) = watch.look(now) {
-        // Other loops do not wait for this one's bus.
+        // Other loops must not wait for this one's bus.
         at_once();
         if !session.unseen(now, unseen.uncounted(), &unseen.to_string()) {
             return false;
@@ -216,11 +219,11 @@ pub(super) fn goes_on<S: Sensed, D: Watched>(
     true
 }
 
-/// Starts the outputs of all sessions of a bench: what was found driving is noted, heat is reserved, everything is off and set
-/// up. Returns when the first turn may come.
+/// Starts the outputs of all sessions of a bench: boards that were found driving are noted, heat is reserved,
+/// everything is off and set up. Returns the time of the first turn.
 ///
 /// # Errors
-/// [`Failure`] for outputs that cannot be started, or heat that cannot be kept; what watches over them has been told.
+/// [`Failure`] for outputs that cannot be started, or heat that cannot be kept; the guardian has been told.
 pub fn begin<S: SkinEnd, D: Watched>(
     sessions: &mut [Session<S, D>],
     clock: RunClock,
@@ -242,7 +245,7 @@ pub fn begin<S: SkinEnd, D: Watched>(
     }
     let started = start(sessions, clock);
     started.inspect_err(|_| {
-        // Nothing was driven. What cannot be booked of that stays reserved.
+        // Nothing was driven. Heat that cannot be booked as such stays reserved.
         let _ = settle(sessions.iter_mut(), clock.now(), true);
     })
 }
@@ -254,7 +257,7 @@ fn start<S: SkinEnd, D: Watched>(
     for session in &mut *sessions {
         session.display().meet()?;
     }
-    // The same time for all: what boards have in common is told once.
+    // All have the same time: an event that boards have in common is told once.
     let now = clock.now();
     let mut ready = now;
     for session in sessions {
@@ -269,8 +272,8 @@ fn start<S: SkinEnd, D: Watched>(
     Ok(ready)
 }
 
-/// Everything off, and the leave of what watches over the only session of a bench; when that was. Without a guardian the session
-/// stays until everything is off.
+/// Switches everything off, and takes leave of the guardian of the only session of a bench. Returns the time of that.
+/// Without a guardian the session stays until everything is off.
 pub fn leave<S: SkinEnd, D: Watched>(session: &mut Session<S, D>, clock: RunClock) -> Instant {
     let left = switch_off(session, clock.now());
     let (end, is_off) = part(session, clock, left, |_| false);
@@ -281,9 +284,9 @@ pub fn leave<S: SkinEnd, D: Watched>(session: &mut Session<S, D>, clock: RunCloc
     end
 }
 
-/// The leave of what watches over a session that was switched off, or was `left` on for this cause; when that was, and whether
-/// everything is known to be off. What is on is tried again for as long as `tries_on` says, which looks around meanwhile, and
-/// without a guardian until it is off.
+/// Takes leave of the guardian of a session that was switched off, or was `left` on for this cause. Returns the time of
+/// that, and whether everything is known to be off. Outputs that are on are tried again for as long as `tries_on`
+/// allows, which looks around meanwhile, and without a guardian until they are off.
 pub(super) fn part<S: SkinEnd, D: Watched>(
     session: &mut Session<S, D>,
     clock: RunClock,
@@ -319,7 +322,7 @@ pub(super) fn part<S: SkinEnd, D: Watched>(
     (end, is_off)
 }
 
-/// Everything of a session off; why it may be on.
+/// Switches everything of a session off. Returns the reason why it may be on.
 pub(super) fn switch_off<S: SkinEnd, D: DisplayEnd>(
     session: &mut Session<S, D>,
     end: Instant,
@@ -328,7 +331,7 @@ pub(super) fn switch_off<S: SkinEnd, D: DisplayEnd>(
     Some(session.display().explain(&error))
 }
 
-/// What could not be switched off tried once more; why it may be on.
+/// Tries once more to switch off outputs that could not be switched off. Returns the reason why they may be on.
 fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
     session: &mut Session<S, D>,
     now: Instant,
@@ -345,7 +348,7 @@ fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
     None
 }
 
-/// Why wires may be on that could not be switched off, and for how long they were if that is too long.
+/// Words for wires that may be on since they could not be switched off, with their time on if that is too long.
 fn left_on<S: SkinEnd, D: DisplayEnd>(session: &mut Session<S, D>, cause: String) -> String {
     session.still_on();
     match session.overrun() {

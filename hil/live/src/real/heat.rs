@@ -1,4 +1,4 @@
-//! Heat and dose of a run on hardware, which outlive it: what the ledger knew before it, and what it books.
+//! Heat and dose of a run on hardware, which outlive it: the ledger before it, and the bookings of it.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -11,19 +11,19 @@ use palpate_run::Failure;
 
 use crate::link::UnitPlace;
 
-/// Who wears what, where no file says it.
+/// Account of wearers whose file has no name.
 const WEARER: &str = "wearer";
 
-/// The accounts of a run, and what it says of them.
+/// Accounts of a run's heat and dose.
 pub struct Heat {
-    /// Until the hardware is the run's own.
+    /// The ledger, until the hardware is the run's own.
     ledger: Mutex<Option<Ledger>>,
     keeper: OnceLock<Keeper>,
-    /// How heat and dose are forgotten.
+    /// Words that tell how heat and dose are forgotten.
     way_out: String,
 }
 
-/// The names of what hangs on a bench's adapters.
+/// Names of the hardware on a bench's adapters.
 fn of_adapters(bench: &Loaded<Bench>) -> Result<Vec<String>, Failure> {
     let real = bench.value.real.as_ref();
     let adapters = real.into_iter().flat_map(|real| &real.i2c);
@@ -32,7 +32,7 @@ fn of_adapters(bench: &Loaded<Bench>) -> Result<Vec<String>, Failure> {
     names.map_err(|unknown| Failure::Device(unknown.to_string()))
 }
 
-/// What the wires of a run hang on.
+/// Hardware that the wires of a run hang on.
 enum HungOn {
     /// Adapters, by the bench's numbers.
     Adapters(Vec<String>),
@@ -45,17 +45,17 @@ fn of_unit(place: &UnitPlace) -> String {
     place.hardware().file().to_owned()
 }
 
-/// The account of a wearer by the name in their file; all who have none share one.
+/// Account of a wearer by the name in their file; all without a name share one.
 fn of_wearer(name: Option<&str>) -> String {
     name.map_or_else(|| WEARER.into(), |name| format!("{WEARER}-{name}"))
 }
 
-/// The account of who wears the boards of a unit that is a process here: the unit is never told who that is.
+/// The account of the wearer of a unit that is a process here: the unit is never told who wears its boards.
 fn of_boards(hardware: &str) -> String {
     format!("unit-on-{hardware}")
 }
 
-/// What a person types to forget heat and dose: of this bench, and of a wearer with a name.
+/// Command that forgets heat and dose: of this bench, and of a wearer with a name.
 fn way_out(bench: &Loaded<Bench>, wearers: &[&str]) -> String {
     let bench_of = match bench.value.unit_address() {
         Some(unit) => format!("--unit {unit} --key FILE --forget-heat {unit}"),
@@ -90,11 +90,11 @@ pub fn forget(bench: &Loaded<Bench>, wearers: &[String]) -> Result<bool, Failure
 }
 
 impl Heat {
-    /// Reads what is known of a bench's hardware and of who wears it. The guard of each fingertip, which has this setup alone,
-    /// goes on from that. Where the setup has a memory already, dose is kept elsewhere and counts as that says.
+    /// Reads the accounts of a bench's hardware and wearers. The guard of each fingertip, which has this setup alone,
+    /// goes on from them. Where the setup has a memory already, dose is kept elsewhere and counts as in that memory.
     ///
     /// # Errors
-    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with what to type.
+    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with the command that mends it.
     pub(super) fn open(bench: &Loaded<Bench>, fingertips: &mut [Setup]) -> Result<Self, Failure> {
         let mut wearers: Vec<Option<String>> = Vec::new();
         let worn = |setup: &Setup| {
@@ -128,7 +128,7 @@ impl Heat {
     /// Reads the accounts of a bench with one display. Returns the setup that its guard goes on from.
     ///
     /// # Errors
-    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with what to type.
+    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with the command that mends it.
     pub fn alone(setup: &Setup) -> Result<(Setup, Self), Failure> {
         let mut alone = [setup.clone()];
         let heat = Self::open(&setup.bench, &mut alone)?;
@@ -139,7 +139,7 @@ impl Heat {
     /// Reads the accounts of boards that are a unit's here.
     ///
     /// # Errors
-    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with what to type.
+    /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with the command that mends it.
     pub fn of_boards(setup: &mut Setup) -> Result<Self, Failure> {
         let (adapters, way_out) = (of_adapters(&setup.bench)?, way_out(&setup.bench, &[]));
         let accounts: Vec<String> = adapters.iter().map(|name| of_boards(name)).collect();
@@ -220,7 +220,7 @@ impl Heat {
         Ok(())
     }
 
-    /// Before a turn of a fingertip's loop.
+    /// Shows the guard before a turn of a fingertip's loop.
     ///
     /// # Errors
     /// [`Failure::Device`] where nothing is reserved for it: outputs are to go off.
@@ -234,17 +234,17 @@ impl Heat {
         failure(beat)
     }
 
-    /// A fingertip's loop has ended before the others'.
+    /// Takes the guard of a fingertip's loop that ends before the others'.
     pub(super) fn leave(&self, fingertip: usize, now: Instant, guard: &Guard) {
         if let Some(keeper) = self.keeper.get() {
             keeper.leave(fingertip, now, guard);
         }
     }
 
-    /// The end: what came true is booked, where everything is known to be `off`.
+    /// Books true heat and dose at the end, where everything is known to be `off`.
     ///
     /// # Errors
-    /// [`Failure::Device`] where it could not be: what was reserved stays booked.
+    /// [`Failure::Device`] where they could not be booked: reserves stay booked.
     pub(crate) fn end(&self, states: &[(Instant, &Guard)], off: bool) -> Result<(), Failure> {
         failure(self.keeper.get().map(|own| own.end(states, off)))
     }

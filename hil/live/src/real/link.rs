@@ -25,7 +25,7 @@ pub struct LinkEnd {
     unit: RemoteUnit,
     /// The Peltier module that the host regulates.
     module: Option<RemoteHeat>,
-    /// Where heat and dose are booked.
+    /// Accounts of heat and dose.
     heat: Arc<Heat>,
     lock: BusLock,
     /// The record of a stop, from when outputs may start.
@@ -53,7 +53,7 @@ impl LinkEnd {
     fn latch(&mut self, cause: &str) -> String {
         let name = &self.unit.place().name;
         let kept = self.armed.as_mut().map_or(Ok(()), |r| r.latch(cause, true));
-        // The unit keeps it in any case, and what was armed is a stop here.
+        // The unit keeps it in any case, and the armed record is a stop here.
         if let Err(e) = kept {
             note(&format!(
                 "unit {name}: the cause of the stop is not kept here: {e}"
@@ -64,7 +64,7 @@ impl LinkEnd {
         )
     }
 
-    /// The run is over, and no stop unless one was latched.
+    /// Disarms the record: the run is over, and no stop unless one was latched.
     fn disarm(&self) {
         self.armed.iter().for_each(Armed::disarm);
     }

@@ -1,4 +1,4 @@
-//! The loops of a run in real time: a thread for each finger, which stands for its own part of the heartbeat.
+//! The loops of a run in real time: a thread for each finger, which answers for its own part of the heartbeat.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,28 +20,29 @@ use crate::interfaces::lines;
 use crate::progress::Progress;
 use crate::views::Wanted;
 
-/// The records are looked after this often where no finger says anything.
+/// Time between two looks at the records while no finger reports.
 const ROUND: Elapsed = Elapsed::from_millis(50);
-/// A loop that waits for the other fingers' loops to be ready looks this often.
+/// Time between two looks of a loop that waits for the other fingers' loops to be ready.
 const WAIT: Duration = Duration::from_millis(1);
-/// A loop says at least this often how far it is.
+/// Longest time between two reports of a loop.
 const SAY: Duration = Duration::from_millis(10);
-/// Shortest time between two pictures for those who look on.
+/// Shortest time between two pictures for views.
 const SHOW: Duration = Duration::from_millis(4);
-/// Another finger's transfer that holds a bus for longer has failed: adapters with a limit get as long.
+/// Longest time for which another finger's transfer may hold a bus before it counts as failed: adapters with a limit
+/// get as long.
 const HELD_UP: Duration = Duration::from_millis(20);
 
-/// What all loops look at.
+/// State that all loops share.
 pub(super) struct Shared<'a> {
     /// The bench's CAN interfaces.
     pub(super) can: &'a [String],
-    /// Whether real-time priority is insisted on, or done without.
+    /// Real-time priority: `true` insists on it, `false` does without, `None` takes it where the system allows.
     pub(super) realtime: Option<bool>,
     pub(super) signals: &'a Signals,
     pub(super) wanted: Wanted<'a>,
     pub(super) clock: RunClock,
     pub(super) end: Instant,
-    /// Whether views are open.
+    /// `true` where views are open.
     pub(super) watched: bool,
     /// All fingers are to end.
     over: AtomicBool,
@@ -58,9 +59,9 @@ pub(super) struct Done<S, D> {
     pub(super) lateness: Lateness,
     pub(super) realtime: bool,
     pub(super) end: Instant,
-    /// Whether everything is known to be off.
+    /// `true` where everything is known to be off.
     pub(super) is_off: bool,
-    /// Whether STOP on a page ended it, and is kept.
+    /// `true` where STOP on a page ended the loop, and the stop is kept.
     pub(super) is_kept: bool,
 }
 
@@ -87,8 +88,8 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// Every loop on its own thread, until the scene's end, a signal, or the end of all of them. Then whether a person who
-    /// watched has ended it.
+    /// Runs every loop on its own thread, until the scene's end, a signal, or the end of all of them. Returns with them
+    /// whether a person who watched has ended the run.
     pub(super) fn drive<S: Sensed + Send, D: Watched + Send>(
         &self,
         sessions: Vec<Session<S, D>>,
@@ -134,7 +135,8 @@ impl<'a> Shared<'a> {
         self.over.store(true, Ordering::Relaxed);
     }
 
-    /// Hands what loops say to the records until all have ended; whether a person who watched has ended them.
+    /// Hands the loops' reports to the records until all have ended. Returns whether a person who watched has ended
+    /// them.
     fn listen(&self, said: &Receiver<Said>, records: &mut Records) -> bool {
         let progress = Progress::of_part("run");
         let mut ended = false;
@@ -163,7 +165,7 @@ struct Turns<'a> {
     shared: &'a Shared<'a>,
     finger: usize,
     say: Sender<Said>,
-    /// Events said so far, when something was said, and when those who look on were shown something.
+    /// Events reported so far, and the times of the newest report and of the newest picture.
     told: usize,
     said: Instant,
     shown: Instant,
@@ -183,7 +185,8 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The loop; none where it panicked. Its display end, dropped, has then told what watches over it: the program is wrong.
+    /// Runs the loop; `None` where it panicked. Its display end, dropped, has then told the guardian that the program
+    /// is wrong.
     fn whole<S: Sensed, D: Watched>(self, session: Session<S, D>) -> Option<Done<S, D>> {
         let shared = self.shared;
         let done = catch_unwind(AssertUnwindSafe(|| self.run(session)));
@@ -235,8 +238,8 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The leave of a finger that was switched off, or was `left` on for this cause; when that was, and whether everything is
-    /// known to be off.
+    /// Takes leave of the guardian for a finger that was switched off, or was `left` on for this cause. Returns the
+    /// time of that, and whether everything is known to be off.
     fn leave<S: Sensed, D: Watched>(
         &mut self,
         session: &mut Session<S, D>,
@@ -244,11 +247,12 @@ impl<'a> Turns<'a> {
     ) -> (Instant, bool) {
         let shared = self.shared;
         if session.overrun().is_some() {
-            // What passed a limit ends the whole run.
+            // A loop that passed a limit ends the whole run.
             shared.end_all();
         }
         shared.turning.fetch_sub(1, Ordering::Relaxed);
-        // What could not be switched off is tried again for as long as other fingers go on: the guardian would end them.
+        // Outputs that could not be switched off are tried again for as long as other fingers go on: the guardian would
+        // end them.
         let (end, is_off) = part(session, shared.clock, left, |session| {
             let now = shared.clock.now();
             self.tell(session, now);
@@ -285,8 +289,8 @@ impl<'a> Turns<'a> {
         true
     }
 
-    /// A turn once the bus is free. A transfer of another finger that takes long has failed: this one is off as well,
-    /// and its session brings it back.
+    /// Takes a turn once the bus is free. A transfer of another finger that takes long has failed: this one is off as
+    /// well, and its session brings it back.
     fn turn<S: Sensed, D: Watched>(&self, session: &mut Session<S, D>) -> Result<Turn, Failure> {
         let clock = self.shared.clock;
         let asked = clock.now();
@@ -303,7 +307,7 @@ impl<'a> Turns<'a> {
         session.turn(now)
     }
 
-    /// Hands what is new to the records.
+    /// Hands new events, frames and readings to the records.
     fn tell<S: Sensed, D: Watched>(&mut self, session: &mut Session<S, D>, until: Instant) {
         let shows = self.shared.watched && until.since(self.shown) >= SHOW;
         let skin = session.skin();

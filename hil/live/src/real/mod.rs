@@ -1,4 +1,4 @@
-//! A run on a real bench: the same session, held to the wall clock, between SocketCAN and Linux I2C adapters.
+//! A run on a real bench: the same session, paced by the wall clock, between SocketCAN and Linux I2C adapters.
 
 mod bench;
 mod clocked;
@@ -46,8 +46,8 @@ const STOPPED_BY_PAGE: &str = "STOP on a page";
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
 
-/// Runs in real time: a scene's length on a real bench, where what touches the skin is up to the world, or a scene or
-/// recording on the driver unit that the bench names.
+/// Runs in real time: a scene's length on a real bench, where the world touches the skin, or a scene or recording on
+/// the driver unit that the bench names.
 ///
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bench that cannot be opened or started.
@@ -65,22 +65,23 @@ pub fn run(
     }
 }
 
-/// The end of a run whose loop panicked. It has dropped the guardian's socket, or a unit hears no more: everything is off or
-/// about to be.
+/// Failure of a run whose loop panicked. It has dropped the guardian's socket, or a unit hears no more: everything is
+/// off or about to be.
 pub fn panicked() -> Failure {
     let text = "the loop panicked; the guardian or the unit switches everything off";
     Failure::Device(text.into())
 }
 
-/// Lets no death of this process take its time: outputs are on until it is noticed.
+/// Keeps deaths of this process short: outputs are on until one is noticed.
 pub fn dies_at_once() {
-    // What lets an abort in the middle of a burst be noticed late; refused, it is noticed by the heartbeat.
+    // A core dump would let an abort in the middle of a burst be noticed late; where it cannot be forbidden, the
+    // heartbeat notices.
     let _ = forbid_core_dumps();
     // A backtrace takes its time as well: the place has to do.
     std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
 }
 
-/// On boards of this computer.
+/// Runs on boards of this computer.
 fn wired(
     setup: &Setup,
     input: &Input,
@@ -98,7 +99,7 @@ fn wired(
         true => only(setup),
         false => fingers(setup),
     };
-    // Before anything is asked of the adapters: what a file says needs no hardware.
+    // The file is checked before anything is asked of the adapters: that needs no hardware.
     for (_, finger) in &alone {
         refuse_slow(real_of(setup)?, build(finger, seed, Levels::Off)?.guard())?;
     }
@@ -116,7 +117,7 @@ fn wired(
         Ok(skin::source(finger.setup, layout, Tap::new(can, keeps_can)))
     });
     let skins = skins.collect::<Result<Vec<RealSkin>, Failure>>()?;
-    // The guardian last.
+    // The guardian comes last.
     let (outputs, found) = Live::open(setup, heat, &fingers, clock)?;
     let ends = skins.into_iter().zip(outputs).collect();
     run.until_end(ends, &found, clock, scene_end(setup))
@@ -166,7 +167,7 @@ pub fn open_outputs(
 /// Refuses outputs while a stop of them is latched, before anything is opened.
 ///
 /// # Errors
-/// [`Failure::Guard`] with what stopped them and how that is cleared.
+/// [`Failure::Guard`] with the cause of the stop and the way to clear it.
 pub fn refuse_stopped(setup: &Setup) -> Result<(), Failure> {
     match UnitPlace::of(&setup.bench)? {
         Some(place) => refuse_stopped_unit(&place),
@@ -174,7 +175,7 @@ pub fn refuse_stopped(setup: &Setup) -> Result<(), Failure> {
     }
 }
 
-/// The setup with what its driver unit says of itself, and where the two differ, a line each.
+/// Setup with the limits and boards of its driver unit. Returns the differences of the two, a line each.
 ///
 /// # Errors
 /// [`Failure`] for a unit that does not answer or is no unit for this bench.
@@ -190,7 +191,7 @@ pub fn met(setup: &Setup, place: &UnitPlace) -> Result<(Setup, Vec<String>), Fai
 /// is booked with `heat`.
 ///
 /// # Errors
-/// [`Failure::Device`] with why there is none, [`Failure::Guard`] while a stop is kept.
+/// [`Failure::Device`] with the reason for none, [`Failure::Guard`] while a stop is kept.
 pub fn open_unit(
     setup: &Setup,
     heat: Heat,
@@ -205,12 +206,12 @@ pub fn open_unit(
     Ok(LinkEnd::new(unit, RemoteHeat::of(setup), heat, lock))
 }
 
-/// From an onset to its effect on a bench's driver unit.
+/// Delay from an onset to its effect on a bench's driver unit.
 fn delay_ms(setup: &Setup) -> u32 {
     setup.bench.value.unit.as_ref().map_or(0, |u| u.delay_ms)
 }
 
-/// On a driver unit: the skin is the bench's own, emulated, or a recording.
+/// Runs on a driver unit: the skin is the bench's own, emulated, or a recording.
 fn on_unit(
     setup: &Setup,
     input: &Input,
@@ -277,7 +278,7 @@ fn refuse_stop(place: &UnitPlace, held: Option<Latched>) -> Result<(), Failure> 
     }
 }
 
-/// When a scene ends.
+/// Time at which a scene ends.
 fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
@@ -296,7 +297,8 @@ pub fn take_priority() -> Result<(), Failure> {
     })
 }
 
-/// Real-time priority as a bench wants it: insisted on, done without, or taken where the system allows it. Whether it was.
+/// Takes real-time priority as a bench wants it: insisted on, done without, or where the system allows it. Returns
+/// `true` where the thread has it.
 ///
 /// # Errors
 /// [`Failure::Device`] where it is insisted on and not allowed.

@@ -1,4 +1,4 @@
-//! Records that grow while fingers run: what their loops say, in the numbers of the bench and in the order of time.
+//! Records that grow while fingers run: the loops' reports, in the numbers of the bench and in the order of time.
 
 use std::path::PathBuf;
 
@@ -15,17 +15,17 @@ use crate::output::Outputs;
 use crate::record::{About, Journal, Sink, path_of};
 use crate::views::Views;
 
-/// What a finger's loop has to say.
+/// Report of a finger's loop.
 #[derive(Debug, Default)]
 pub(super) struct Said {
     pub(super) finger: usize,
-    /// What it says next is later than this.
+    /// Time before everything that the loop tells next.
     pub(super) until: Instant,
-    /// In its own numbers.
+    /// Events in the finger's own numbers.
     pub(super) events: Vec<Event>,
     pub(super) frames: Vec<Received>,
     pub(super) taxels: Vec<TaxelFrame>,
-    /// For live views: readings of its taxels, its buses in words, and how things are.
+    /// Readings of the finger's taxels, for live views; with its buses in words, and its state.
     pub(super) counts: Vec<f32>,
     pub(super) buses: Vec<String>,
     pub(super) state: Option<State>,
@@ -36,9 +36,9 @@ struct Own {
     place: Place,
     /// Files of its own, where there are any.
     journal: Option<Journal>,
-    /// Nothing older will come from it.
+    /// Time before which no more will come from the finger.
     until: Instant,
-    /// All it has said, for the live view.
+    /// All events of the finger, for the live view.
     seen: Vec<Event>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Records {
     fingers: Vec<Own>,
     /// Files of all fingers.
     common: Journal,
-    /// What waits for fingers that are behind.
+    /// Data that waits for fingers that are behind.
     events: Vec<Event>,
     frames: Vec<Received>,
     taxels: Vec<TaxelFrame>,
@@ -106,12 +106,12 @@ impl Records {
         self.views = views;
     }
 
-    /// Whether something looks on.
+    /// Tells whether a view is open.
     pub(super) const fn are_seen(&self) -> bool {
         self.views.are_open()
     }
 
-    /// Takes what a finger says; whether those who look on want the run to end.
+    /// Takes a finger's report. Returns `true` where a viewer wants the run to end.
     pub(super) fn take(&mut self, said: Said) -> bool {
         let Some(own) = self.fingers.get_mut(said.finger) else {
             return false;
@@ -119,7 +119,7 @@ impl Records {
         if self.views.are_open() {
             own.seen.extend_from_slice(&said.events);
         }
-        // What ends is not shown: the screen keeps its last view.
+        // The end is not shown: the screen keeps its last view.
         let state = said.state.filter(|_| said.until < Instant::FAR_FUTURE);
         let ends = state.is_some_and(|state| {
             self.views.turn(&TurnView {
@@ -146,7 +146,7 @@ impl Records {
         ends
     }
 
-    /// What befalls whole boards, or the whole bench.
+    /// Adds events of whole boards, or of the whole bench.
     pub(super) fn add(&mut self, events: Vec<Event>) {
         self.events.extend(events);
     }
@@ -163,7 +163,7 @@ impl Records {
         whole_boards(&each.collect::<Vec<_>>())
     }
 
-    /// Writes what is older than anything that will still come.
+    /// Writes everything that is older than anything still to come.
     fn pass_on(&mut self, until: Instant) {
         let until_us = until.as_micros();
         sort_by_time(&mut self.events);
@@ -180,13 +180,13 @@ impl Records {
         }
     }
 
-    /// Whether a file could not be written: a full disk ends the run.
+    /// Tells whether a file could not be written: a full disk ends the run.
     pub(super) fn have_failed(&self) -> bool {
         let own = self.fingers.iter().filter_map(|f| f.journal.as_ref());
         self.common.has_failed() || own.into_iter().any(Journal::has_failed)
     }
 
-    /// Ends the files. Returns how many frames found no room, and what went wrong.
+    /// Ends the files. Returns the number of frames that found no room, and the first error.
     pub(super) fn finish(mut self) -> (u64, Result<(), Failure>) {
         drop(std::mem::take(&mut self.views));
         self.pass_on(Instant::FAR_FUTURE);

@@ -1,4 +1,4 @@
-//! A run in real time, of one finger or of several: a loop each, records that grow, and what they come to together. The only
+//! A run in real time, of one finger or of several: a loop each, records that grow, and a joint outcome. The only
 //! display of a bench is a finger, too. Fingers share adapters, the clock, the guardian, and nothing else.
 
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ use crate::clock;
 use crate::interfaces::reports;
 use crate::views::{Views, Wanted};
 
-/// A finger as files describe it.
+/// A finger by its files.
 pub(super) struct Planned {
     place: Place,
     setup: Setup,
@@ -38,10 +38,10 @@ pub(super) struct Planned {
     pub(super) projector: Projector,
 }
 
-/// A finger's description beside its loop.
+/// Place, setup and header of a finger beside its loop.
 type Finger = (Place, Setup, Header);
 
-/// Every finger's loop, with its place on the grid of onsets, and what heat is booked with. Each has this setup alone.
+/// Every finger's loop, with its place on the grid of onsets, and the accounts of heat. Each has this setup alone.
 pub(super) fn planned(
     setup: &Setup,
     alone: Vec<(Place, Setup)>,
@@ -129,7 +129,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Whether frames of sensor buses are kept.
+    /// Tells whether frames of sensor buses are kept.
     pub(super) fn keeps_can(&self) -> bool {
         writes(self.wanted, Format::Candump) || writes(self.wanted, Format::Mcap)
     }
@@ -145,8 +145,8 @@ impl<'a> Run<'a> {
         wired.collect()
     }
 
-    /// The loops between these ends, for `length` or until something ends them. With several fingers the guardian `found` this
-    /// driving.
+    /// Runs the loops between these ends, for `length` or until something ends them. With several fingers `found` has
+    /// the boards that the guardian found driving.
     pub(super) fn until_end<S: Sensed + Send, D: Watched + Send>(
         mut self,
         ends: Vec<(S, D)>,
@@ -235,12 +235,12 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Whether a file of this format grows.
+/// Tells whether a file of this format grows.
 fn writes(wanted: Wanted<'_>, format: Format) -> bool {
     wanted.files.iter().any(|(other, _)| *other == format)
 }
 
-/// The run on paper, with what was noted of all of it.
+/// Outcome of the whole run, with the notes of all of it.
 fn whole<S: Sensed, D: Watched>(
     setup: &Setup,
     fingers: Vec<Finger>,
@@ -323,7 +323,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     .concluded(setup, false)
 }
 
-/// A board that several fingers share is off when the last of them is.
+/// Ends of boards that several fingers share: one is off when the last of them is.
 fn ends_of_boards<S, D>(fingers: &[Finger], done: &[Done<S, D>]) -> Vec<Event> {
     let mut boards: BTreeMap<u8, Vec<Option<u64>>> = BTreeMap::new();
     for ((place, ..), done) in fingers.iter().zip(done) {

@@ -1,5 +1,5 @@
-//! The actuators' end of a finger on a real bench, and what all fingers of the bench share while they run: one guardian, and
-//! the line that cuts all outputs.
+//! The actuators' end of a finger on a real bench, and the parts that all fingers of the bench share while they run:
+//! one guardian, and the line that cuts all outputs.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,7 @@ use super::heat::Heat;
 struct Warden {
     guardian: Mutex<Guardian>,
     round: Arc<Round>,
-    /// Whether the guardian waits for heartbeats.
+    /// `true` while the guardian waits for heartbeats.
     is_awake: AtomicBool,
     /// Fingers that have their bus, a bit each: OE is released when all have it.
     ready: Mutex<u32>,
@@ -41,13 +41,13 @@ struct Warden {
 struct Parting {
     /// Fingers that have ended, a bit each.
     ended: u32,
-    /// Why wires may still be on.
+    /// Reasons why wires may still be on.
     left: Vec<String>,
     /// Causes that stay latched until a person has looked.
     stopped: Vec<String>,
 }
 
-/// A lock that a panic elsewhere does not close: who says off must never be kept out.
+/// A lock that a panic elsewhere does not close: switching off must never be kept out.
 fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -57,7 +57,7 @@ impl Warden {
         held(&self.guardian).pulse()
     }
 
-    /// A finger makes a turn. From the first one on the guardian waits for heartbeats.
+    /// Takes a finger's turn. From the first one on the guardian waits for heartbeats.
     fn beat(&self, finger: usize, now: Instant) -> Result<(), Lost> {
         let is_due = self.round.turned(Round::bit(finger));
         match is_due || !self.is_awake.swap(true, Ordering::Relaxed) {
@@ -66,18 +66,18 @@ impl Warden {
         }
     }
 
-    /// Whether no guardian is there that would switch off what is left on.
+    /// Tells whether the guardian is gone: then nobody would switch off outputs that are left on.
     fn is_gone(&self) -> bool {
         held(&self.guardian).is_gone()
     }
 
-    /// Something is wrong with the program itself: everything off by the guardian, now.
+    /// Has the guardian switch everything off now: the program itself is wrong.
     fn give_up(&self, cause: &str) {
         held(&self.guardian).hand_over(cause);
     }
 
-    /// A finger has ended, and is `off` or not: the others go on. With the last one the run is over: what is left on is the
-    /// guardian's to switch off, what was stopped stays latched.
+    /// Takes a finger's end, `off` or not; the others go on. With the last one the run is over: the guardian switches
+    /// off outputs that are left on, and stops stay latched.
     fn part(&self, own: &Vote, off: Result<(), String>, failed: bool) -> Result<(), String> {
         let mut parting = held(&self.parting);
         self.round.ended(own.finger);
@@ -100,14 +100,15 @@ impl Warden {
         let ended = stopped.map_err(|lost| lost.to_string());
         let ended = ended.and_then(|()| guardian.end());
         match failed && own.name.is_none() {
-            // The first failure is the one to tell. One of several fingers' says nothing of the others' outputs.
+            // The first failure is the one to tell. A failure of one of several fingers tells nothing of the others'
+            // outputs.
             true => ended.or(Ok(())),
             false => ended,
         }
     }
 }
 
-/// A finger's voice in what is the bench's.
+/// A finger's part in the bench's shared outputs.
 struct Vote {
     warden: Arc<Warden>,
     finger: usize,
@@ -116,14 +117,14 @@ struct Vote {
 }
 
 impl Vote {
-    /// A cause, with whose it is.
+    /// A cause, with the name of its finger.
     fn named(&self, cause: &str) -> String {
         let name = self.name.as_ref();
         name.map_or_else(|| cause.to_owned(), |name| format!("{name}: {cause}"))
     }
 
-    /// The finger is stopped, and that is to be latched now: the run may yet die before its end. A stop would end the other
-    /// fingers too: with several it comes when all are off.
+    /// Latches the finger's stop now: the run may yet die before its end. A stop would end the other fingers too: with
+    /// several it comes when all are off.
     fn stop(&self, cause: &str) {
         let named = self.named(cause);
         let guardian = held(&self.warden.guardian);
@@ -140,8 +141,8 @@ impl Vote {
 }
 
 impl OutputEnable for Vote {
-    /// The finger has its bus, or has lost it: a channel that could not be switched off must not drive on. The line is the
-    /// guardian's, so that it can cut it when this process is gone.
+    /// Takes note that the finger has its bus, or has lost it: a channel that could not be switched off must not drive
+    /// on. The line is the guardian's, so that it can cut it when this process is gone.
     fn set_enabled(&self, _now: Instant, enabled: bool) {
         let mut ready = held(&self.warden.ready);
         match enabled {
@@ -186,8 +187,8 @@ pub struct Live {
 }
 
 impl Live {
-    /// Opens the adapters of a bench for the loops of its fingers, guardian last: from then on it can say off. Heat is booked
-    /// with `heat`. Returns an end for each, and what the guardian found driving, a line each.
+    /// Opens the adapters of a bench for the loops of its fingers, guardian last: from then on it can switch off. Heat
+    /// is booked with `heat`. Returns an end for each, and the boards that the guardian found driving, a line each.
     pub(super) fn open(
         setup: &Setup,
         heat: Heat,
@@ -257,7 +258,7 @@ impl DisplayEnd for Live {
         (&mut self.banks, &self.vote)
     }
 
-    /// With the errno that the adapter gave.
+    /// Explains an error with the errno that the adapter gave.
     fn explain(&self, error: &DriverError) -> String {
         let fault = match error {
             DriverError::Bus(board, _) => self.banks.bus_of(*board),
@@ -312,7 +313,8 @@ impl Watched for Live {
     }
 }
 
-/// A loop that panicked has its guardian switch everything off. That of the only finger is dropped with it, and acts.
+/// Has the guardian switch everything off after a panic of the loop. The guardian of the only finger is dropped with
+/// it, and acts.
 impl Drop for Live {
     fn drop(&mut self) {
         if std::thread::panicking() && self.vote.name.is_some() {

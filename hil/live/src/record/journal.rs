@@ -1,6 +1,6 @@
-//! Records that are written while they come in: whatever ends the program, what was recorded until then is on
-//! its way to the disk. A thread of its own does it, behind a queue of fixed length: a slow disk delays no loop
-//! and costs frames, which are counted.
+//! Records that are written while they come in: whatever ends the program, everything recorded until then is on its way
+//! to the disk. A thread of its own writes, behind a queue of fixed length: a slow disk delays no loop and costs
+//! frames, which are counted.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -22,9 +22,9 @@ use palpate_run::{Failure, Piece};
 const QUEUE: usize = 1 << 10;
 /// Frames that wait for room in the queue, 24 bytes each: almost three seconds of a full hand.
 const WAITING: usize = 1 << 16;
-/// Scans of all taxels that do, 2 kB each of a full hand: five seconds of it.
+/// Scans that wait for room, of all taxels, 2 kB each of a full hand: five seconds of it.
 const SCANS_WAITING: usize = 1 << 9;
-/// A reader that takes nothing for so long at the end reads no more.
+/// Time after which a reader at the end that takes nothing counts as gone.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Files that grow on a thread of their own.
@@ -32,12 +32,12 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub struct Journal {
     pieces: Option<SyncSender<Piece>>,
     thread: Option<JoinHandle<Result<(), Failure>>>,
-    /// A word for each piece that is written; closed once the thread has ended.
+    /// A message for each written piece; closed once the thread has ended.
     written: Receiver<()>,
-    /// A file that has to be read by somebody.
+    /// Path of a file that needs a reader.
     stream: Option<PathBuf>,
     failed: Arc<AtomicBool>,
-    /// What found no room in the queue.
+    /// Events and frames that found no room in the queue.
     waiting: Piece,
     dropped: u64,
 }
@@ -49,7 +49,7 @@ impl Journal {
     /// [`Failure::Device`] when the system gives no thread.
     pub fn start(mut files: Vec<Sink>, tells: bool) -> Result<Self, Failure> {
         let (pieces, orders) = sync_channel(QUEUE);
-        // Who does not wait for a word needs none.
+        // A caller who does not wait for the message needs none.
         let (writes, written) = sync_channel(1);
         let stream = files.iter().find_map(Sink::stream).map(Path::to_owned);
         let failed = Arc::new(AtomicBool::new(false));
@@ -74,7 +74,7 @@ impl Journal {
         })
     }
 
-    /// Hands over what is new, without waiting. All events of one instant have to be there.
+    /// Hands over new data, without waiting. All events of one instant have to be there.
     pub fn add(
         &mut self,
         events: &[Event],
@@ -99,7 +99,7 @@ impl Journal {
         }
     }
 
-    /// Whether a file could not be written: a full disk ends the run.
+    /// Tells whether a file could not be written: a full disk ends the run.
     pub fn has_failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }
@@ -112,7 +112,7 @@ impl Journal {
     /// Waits until everything is written. A pipe that nobody reads is waited for no longer than five seconds.
     ///
     /// # Errors
-    /// [`Failure::Write`] with the file and what the system said.
+    /// [`Failure::Write`] with the file and the system's error.
     pub fn finish(mut self) -> Result<(), Failure> {
         let mut last = self
             .pieces
@@ -145,7 +145,7 @@ impl Journal {
     }
 }
 
-/// Appends as much as there is room for; how much there was none for.
+/// Appends as much as there is room for. Returns the number left over.
 fn fill<T>(waiting: &mut Vec<T>, new: &mut Vec<T>, most: usize) -> u64 {
     let room = most.saturating_sub(waiting.len());
     let over = new.len().saturating_sub(room);

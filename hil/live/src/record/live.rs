@@ -1,4 +1,4 @@
-//! Sensor buses to a recording, without a run: everything that crosses them, until a signal or the time ends it.
+//! Recording of sensor buses without a run: everything that crosses them, until a signal or the time ends it.
 
 use std::path::PathBuf;
 
@@ -18,13 +18,13 @@ use palpate_buses::signals::Signals;
 use palpate_run::CanReport;
 use palpate_run::Failure;
 
-/// How often the buses' queue is emptied.
+/// Time between two looks at the buses' queue.
 const TURN: Duration = Duration::from_millis(2);
 
-/// What a recording came to.
+/// Counts of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recorded {
-    /// Always real: this program does not know what sends on a virtual interface.
+    /// Always real: this program cannot know the senders on a virtual interface.
     pub source: &'static str,
     /// Frames recorded.
     pub frames: u64,
@@ -68,7 +68,7 @@ pub fn record(
     listen(can, journal, interfaces, (clock, epoch_us), stop)
 }
 
-/// The recording itself, on buses that are open.
+/// Records from buses that are open.
 pub(super) fn listen(
     mut can: CanBuses,
     mut journal: Journal,

@@ -1,4 +1,4 @@
-//! Recording while something happens: files that grow behind a queue, and buses without a run.
+//! Recording: files that grow behind a queue, and buses without a run.
 
 mod journal;
 mod live;

@@ -1,4 +1,4 @@
-//! A recording onto buses: every frame again, at its time.
+//! Playback of a recording onto buses: every frame again, at its time.
 
 use palpate_buses::pacer::{Lateness, RunClock};
 use palpate_buses::served::can::Interface;
@@ -10,21 +10,21 @@ use crate::recording::CanRecording;
 use palpate_buses::signals::Signals;
 use palpate_run::Failure;
 
-/// A signal is noticed within this time.
+/// Time between two looks for a signal.
 const TURN: Duration = Duration::from_millis(50);
 
-/// What a playing came to.
+/// Counts of a playback.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Played {
     /// Frames that the interfaces took.
     pub sent: u64,
-    /// Frames that they did not: queue full, interface down.
+    /// Frames that the interfaces did not take: queue full, interface down.
     pub lost: u64,
     /// Frames that were left when a signal came.
     pub left: u64,
-    /// Half of the frames left at most so much late, microseconds.
+    /// Lateness that half of the frames did not exceed, microseconds.
     pub late_median_us: u64,
-    /// The latest, microseconds.
+    /// Lateness of the latest frame, microseconds.
     pub late_worst_us: u64,
     /// Length, milliseconds.
     pub length_ms: u64,

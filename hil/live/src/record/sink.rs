@@ -16,7 +16,7 @@ use crate::output::{Outputs, Unfinished, is_ordinary, write_sidecar};
 use crate::recording::write_can_log;
 use palpate_run::{Failure, Piece};
 
-/// What is recorded.
+/// Subject of a recording.
 #[derive(Clone, Copy, Debug)]
 pub enum About<'a> {
     /// A run, the modules whose readings will come, and the files it goes back to.
@@ -25,7 +25,7 @@ pub enum About<'a> {
     Buses(&'a [String]),
 }
 
-/// So much may be lost when the program is killed, microseconds of the recording's time.
+/// Longest stretch that is lost when the program is killed, microseconds of the recording's time.
 const FLUSH_US: u64 = 100_000;
 
 enum Form {
@@ -51,7 +51,7 @@ impl Lines {
         let written = self.file.write_all(text);
         match written {
             Ok(()) => self.length += text.len() as u64,
-            // What of this piece still fitted goes again; a pipe has no length, and no disk.
+            // The part of this piece that still fitted goes again; a pipe has no length, and no disk.
             Err(_) => drop(self.file.set_len(self.length)),
         }
         written
@@ -61,7 +61,7 @@ impl Lines {
 /// A file that grows.
 pub struct Sink {
     path: PathBuf,
-    /// Where it is there only once it is whole.
+    /// The unfinished file, where the name appears only once the file is whole.
     unfinished: Option<(Unfinished, File)>,
     form: Form,
     /// Time of the newest event, and at the last flush.
@@ -78,7 +78,7 @@ impl std::fmt::Debug for Sink {
 }
 
 impl Sink {
-    /// Creates files with what comes first in them. What is written until something ends the program stays.
+    /// Creates files with their first lines. Everything written until something ends the program stays.
     ///
     /// # Errors
     /// [`Failure::Write`] for the first that cannot be written, [`Failure::Input`] for one that may not be replaced and
@@ -95,10 +95,10 @@ impl Sink {
         files.iter().map(create).collect()
     }
 
-    /// The same, of files that are there only once they are whole.
+    /// Creates files whose names appear only once they are whole.
     ///
     /// # Errors
-    /// As [`Sink::create_all`].
+    /// Errors of [`Sink::create_all`].
     pub fn begin_all(
         files: &[(Format, PathBuf)],
         about: &About<'_>,
@@ -181,7 +181,7 @@ impl Sink {
         })
     }
 
-    /// Where it goes, if that takes something only when somebody reads it: a pipe, a socket, a terminal.
+    /// Path of a pipe, socket or terminal, which takes data only while somebody reads; `None` for an ordinary file.
     pub fn stream(&self) -> Option<&Path> {
         (!is_ordinary(&self.path)).then_some(&self.path)
     }
@@ -189,7 +189,7 @@ impl Sink {
     /// Appends a piece.
     ///
     /// # Errors
-    /// [`Failure::Write`] with the file and what the system said.
+    /// [`Failure::Write`] with the file and the system's error.
     pub fn piece(&mut self, piece: &Piece) -> Result<(), Failure> {
         self.append(piece).map_err(Failure::written(&self.path))
     }
@@ -234,10 +234,10 @@ impl Sink {
         }
     }
 
-    /// Closes the file with what comes last in it.
+    /// Closes the file with its last lines.
     ///
     /// # Errors
-    /// [`Failure::Write`] with the file and what the system said.
+    /// [`Failure::Write`] with the file and the system's error.
     pub fn finish(self) -> Result<(), Failure> {
         let closed = match self.form {
             Form::Contacts(..) | Form::Candump(..) | Form::Schedule(..) => Ok(()),
@@ -252,7 +252,7 @@ impl Sink {
     }
 }
 
-/// Where one of several displays has its file: `run.mcap` is `run-index.mcap` of the display `index`.
+/// Path of a display's own file among several: `run.mcap` is `run-index.mcap` of the display `index`.
 pub fn path_of(path: &Path, display: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().unwrap_or_default().to_string_lossy();

@@ -1,7 +1,7 @@
 //! Recordings of CAN buses: logs in the format of can-utils' `candump -l`, in and out, and MCAP files, in.
 //!
-//! A recording is read through once: that says whether it is whole, its buses and when it begins. A short one is held
-//! from then on, a long one is read again for every pass, with the frames of its last second in memory.
+//! A recording is read through once, for its health, its buses and its begin. A short one is held from then on, a long
+//! one is read again for every pass, with the frames of its last second in memory.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -22,11 +22,11 @@ use crate::progress::Progress;
 /// Frames of a recorded bus.
 #[derive(Clone, Debug)]
 pub struct CanRecording {
-    /// The oldest first.
+    /// Frames, the oldest first.
     pub frames: Arc<dyn FrameSource>,
     /// The interfaces, bus by bus.
     pub interfaces: Vec<String>,
-    /// What is to be said of the file: that it was cut short, and where.
+    /// Remarks on the file: that it was cut short, and where.
     pub notes: Vec<String>,
 }
 
@@ -34,8 +34,8 @@ pub struct CanRecording {
 const HELD: usize = 1 << 18;
 const HELD_OF_STREAM: usize = 4 << 20;
 
-/// Whether a recording is one of buses: a candump log or an MCAP file by its first bytes, or, where they say nothing,
-/// by its name.
+/// Tells whether a recording is one of buses: a candump log or an MCAP file by its first bytes, or, where they say
+/// nothing, by its name.
 #[must_use]
 pub fn is_can_recording(path: &Path) -> bool {
     let named = || {
@@ -127,7 +127,7 @@ impl FrameSource for LongRecording {
 struct Ordered<'a, R> {
     pass: Pass<R>,
     start: &'a Start,
-    /// By time and place in the file.
+    /// Frames that wait for earlier ones, by time and place in the file.
     waiting: BTreeMap<(u64, u64), Received>,
     count: u64,
     newest_us: u64,
@@ -169,7 +169,7 @@ impl<R: Read> Iterator for Ordered<'_, R> {
 /// Writes frames as a log; bus n is the n-th of these interfaces, and `can<n>` beyond them.
 ///
 /// # Errors
-/// What the system says of the file.
+/// Error of the system on the file.
 pub fn write_can_log(
     frames: &[Received],
     interfaces: &[String],

@@ -12,7 +12,7 @@ use super::pass::zero_of;
 
 /// Most angles that are held: ten joints for an hour at 28 Hz.
 const MOST: usize = 1 << 20;
-/// A header is looked at so far: a million taxels have one of 40 MB.
+/// Bytes of a header that are looked at: a million taxels have one of 40 MB.
 const MOST_HEADER: u64 = 64 << 20;
 
 /// The joints that recordings carry; none where no file has any. Those of CSV begin with the first row of their file.
@@ -40,7 +40,7 @@ pub fn read_joints(paths: &[PathBuf], timing: &Timing) -> Result<Vec<Joint>, Fil
     Ok(joints)
 }
 
-/// Whether CSV has such a column.
+/// Tells whether a CSV file has columns of joints.
 fn has_joints(path: &Path) -> bool {
     let Ok(file) = open(path, "a recording") else {
         return false; // reading it will say why

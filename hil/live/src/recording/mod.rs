@@ -1,5 +1,5 @@
-//! What was recorded elsewhere and is read here: raw counts as CSV, CAN buses as candump logs and MCAP; and what another machine
-//! sends meanwhile.
+//! Readers of recordings and of readings that another machine sends during a run: raw counts as CSV, CAN buses as
+//! candump logs and MCAP.
 #![forbid(unsafe_code)]
 
 mod can_log;
@@ -26,8 +26,8 @@ use palpate_core::skin::Module;
 use palpate_files::{Columns, Format, SensorLayout, format_of};
 use palpate_run::{Failure, Input, plan};
 
-/// What drives a run in place of touches: one recording per module of a layout, or one recording of all its buses;
-/// and what is to be said of the files.
+/// Input of a run from recordings: one per module of a layout, or one of all its buses. Returns remarks on the files
+/// with it.
 ///
 /// # Errors
 /// [`Failure::Input`] with file, line and column.

@@ -13,11 +13,11 @@ use super::Reading;
 const MOST: u64 = 256 << 20;
 /// Bytes before the header: magic, version, the header's length.
 const BEFORE: usize = 10;
-/// Rows, columns and steps of a slide of the iCub's set, as its header says. In memory a slide is columns x steps x
-/// rows: only so do readings run on smoothly from step to step.
+/// Rows, columns and steps of a slide of the iCub's set, by its header. In memory a slide is columns x steps x rows:
+/// only so do readings run on smoothly from step to step.
 const SLIDE: [usize; 3] = [6, 10, 75];
 
-/// Reads an array: the rows, and what is to be said of them.
+/// Reads an array: the rows, and remarks on them.
 ///
 /// # Errors
 /// A file that is no such array, no rate, a number that is no count.

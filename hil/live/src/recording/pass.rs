@@ -12,7 +12,7 @@ use palpate_run::Identifiers;
 
 /// Longest line of a log, bytes: that of a CAN FD frame has 170.
 pub(super) const LONGEST: usize = 4096;
-/// What this reads, for errors.
+/// Expected input, for errors.
 const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
 
 fn too_many(label: &str, buses: usize, found: String) -> FileError {
@@ -20,11 +20,11 @@ fn too_many(label: &str, buses: usize, found: String) -> FileError {
     FileError::whole(label, expected, found)
 }
 
-/// Where a run begins in a recording: its time zero, and which of the run's buses each of its buses is.
+/// Start of a run in a recording: its time zero, and the run's bus of each bus of the recording.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Start {
     zero_us: u64,
-    /// By the number of the recording's bus; empty: its own.
+    /// Bus of the run by the number of the recording's bus; empty: the same number.
     buses: Vec<u8>,
 }
 
@@ -40,10 +40,10 @@ impl Start {
     }
 }
 
-/// What reading a recording through came to.
+/// Result of reading a recording through.
 #[derive(Default)]
 pub(super) struct Through {
-    /// Its frames, where they are few.
+    /// Frames of the recording, where they are few.
     pub(super) held: Option<Vec<Received>>,
     count: usize,
     pub(super) rows: Identifiers,
@@ -92,7 +92,7 @@ impl<R: Read> Pass<R> {
         }
     }
 
-    /// Reads all of it, and holds up to `most` frames: also the interfaces, and what is to be said of the file.
+    /// Reads all of it, and holds up to `most` frames. Returns the interfaces and the remarks on the file, too.
     pub(super) fn through(
         mut self,
         buses: usize,
@@ -138,7 +138,7 @@ impl<R: Read> Pass<R> {
 }
 
 impl Through {
-    /// Whole seconds of the first frame are none of a run's business.
+    /// Drops the whole seconds of the first frame's time.
     fn zero_at_first_second(&mut self) {
         self.start.zero_us = zero_of(self.first_us.unwrap_or(0));
     }
@@ -329,7 +329,7 @@ fn out_of_time(label: &str, line: usize, us: u64, e: OutOfTime) -> FileError {
     }
 }
 
-/// A line that is not what was expected, behind so many frames.
+/// Error for a malformed line, behind so many frames.
 fn malformed(
     label: &str,
     number: usize,
@@ -343,7 +343,7 @@ fn malformed(
     }
 }
 
-/// What was whole before a malformed line.
+/// Words on the whole frames before a malformed line.
 fn after(frames: usize) -> String {
     match frames {
         0 => String::new(),

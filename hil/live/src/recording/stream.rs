@@ -1,5 +1,5 @@
-//! Readings that another machine sends over TCP: lines of text, as a recording of taxels has them, one per scan of the
-//! whole skin. When a line came is when its readings are of.
+//! Readings that another machine sends over TCP: lines of text, as in a recording of taxels, one per scan of the whole
+//! skin. A line's time of arrival is that of its readings.
 
 use std::fmt;
 use std::net::{TcpStream, ToSocketAddrs};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use palpate_files::{Columns, FileError, Rows, SensorLayout, Take, Text};
 use palpate_run::{Failure, NextRow, RowSource};
 
-/// A machine that is not reached, or says nothing, for this long is gone.
+/// Time after which a machine that is not reached, or sends nothing, counts as gone.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Most bytes of a line, where the skin's own need no more.
 const LONGEST: usize = 1 << 20;
@@ -18,7 +18,7 @@ const LONGEST: usize = 1 << 20;
 pub struct ReadingStream {
     rows: Mutex<Option<Rows<TcpStream>>>,
     columns: usize,
-    /// What was wrong with a line, once one was.
+    /// Error of a line, once one was wrong.
     wrong: Mutex<Option<FileError>>,
 }
 
@@ -34,7 +34,8 @@ impl ReadingStream {
     /// Connects, and reads the header or first line.
     ///
     /// # Errors
-    /// [`Failure::Input`] for what is no address, [`Failure::Device`] for a machine that is not reached, [`Failure::File`] for lines that are not of this skin.
+    /// [`Failure::Input`] for a text that is no address, [`Failure::Device`] for a machine that is not reached,
+    /// [`Failure::File`] for lines that are not of this skin.
     pub fn open(address: &str, skin: &SensorLayout) -> Result<Arc<Self>, Failure> {
         let columns = &Columns::of_skin(skin);
         let is_port = |port: &str| port.parse::<u16>().is_ok();
@@ -70,12 +71,12 @@ impl RowSource for ReadingStream {
         self.columns
     }
 
-    /// Not known.
+    /// Returns the largest number: the length of a stream is unknown.
     fn frames(&self) -> usize {
         usize::MAX
     }
 
-    /// Not known.
+    /// Returns the largest number: the length of a stream is unknown.
     fn span_us(&self) -> u64 {
         u64::MAX
     }
@@ -96,7 +97,7 @@ impl RowSource for ReadingStream {
     }
 }
 
-/// Lines as they come.
+/// Lines in the order in which they come.
 struct Coming<'a> {
     rows: Rows<TcpStream>,
     began: Option<Instant>,

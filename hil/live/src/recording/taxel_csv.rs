@@ -13,19 +13,19 @@ const HELD: usize = 4 << 20;
 
 use crate::progress::Progress;
 
-/// How recordings of taxels are read: their times, and their columns where the header is not ours.
+/// Format of recordings of taxels: their times, and their columns where the header is not ours.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
-    /// When rows came.
+    /// Times of the rows.
     pub timing: Timing,
-    /// What the names of the columns begin with; none: `txl1_x` and so on.
+    /// Beginning of the columns' names; `None` for `txl1_x` and so on.
     pub prefix: Option<String>,
     /// Rows at rest that stand before readings which are compensated, and never at rest.
     pub rest_rows: usize,
 }
 
 impl Reading {
-    /// The columns that are taken.
+    /// Columns of the recording that are taken.
     #[must_use]
     pub fn take<'a>(&'a self, columns: &'a Columns) -> Take<'a> {
         match self.prefix.as_deref() {
@@ -35,7 +35,7 @@ impl Reading {
     }
 }
 
-/// Reads a recording through, and what is to be said of it. A file that is too long to be held is read again for every
+/// Reads a recording through, with remarks on it. A file that is too long to be held is read again for every
 /// pass; a stream cannot be.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Readings as a recording: the CSV that [`super::read_taxel_csv`] reads.
+//! Writer of readings as a recording: the CSV that [`super::read_taxel_csv`] reads.
 
 use std::io::{self, Write};
 

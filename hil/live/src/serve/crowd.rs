@@ -1,17 +1,17 @@
-//! Who is connected, in crowds that have a bound each: strangers, whose request is read or answered, and pages, which have
-//! shown that they may look. So strangers keep no page out, however many they are, and a newcomer always has a place.
+//! Bounded crowds of connections: strangers, whose request is read or answered, and pages, which have shown that they
+//! may look. So strangers keep no page out, however many they are, and a newcomer always has a place.
 
 use std::collections::VecDeque;
 use std::io;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Who makes room for a newcomer where a crowd is full.
+/// The connection that makes room for a newcomer where a crowd is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Leaves {
-    /// The one that came first: it had the most time.
+    /// The first one that came: it had the most time.
     First,
-    /// The one that came last: those before it stay, and the last place is always the newest's.
+    /// The last one that came: those before it stay, and the last place is always the newest's.
     Last,
 }
 
@@ -25,9 +25,9 @@ pub(super) struct Crowd {
 
 #[derive(Debug, Default)]
 struct Inside {
-    /// How many have come so far: the number of the next one.
+    /// Connections so far: the number of the next one.
     came: u64,
-    /// In the order in which they came.
+    /// Connections in the order in which they came.
     streams: VecDeque<(u64, TcpStream)>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Place {
 }
 
 impl Crowd {
-    /// An empty one, for so many connections.
+    /// An empty crowd, for so many connections.
     pub(super) fn new(most: usize, leaves: Leaves) -> Arc<Self> {
         Arc::new(Self {
             most,

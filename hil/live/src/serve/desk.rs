@@ -1,8 +1,8 @@
-//! Between a study's session and its two pages: what each page shows, and what was said on it.
+//! Desk between a study's session and its two pages: the view of each page, and the messages from it.
 //!
-//! A page says once who it is, and where pages have tokens it has that person's. It is then told its view whenever that
-//! changes. Everything that it says goes into a queue for the session, but STOP: that is noted at once, on the thread that
-//! hears it. The queue has a bound, whatever a page says.
+//! A page names its person once, and where pages have tokens it has that person's. It then gets its view whenever that
+//! changes. Its messages go into a queue for the session, but STOP: that is noted at once, on the thread that hears it.
+//! The queue has a bound, whatever a page sends.
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpStream};
@@ -26,19 +26,19 @@ use crate::clock;
 const LONGEST: usize = 8 << 20;
 /// Words of pages that wait for the session at most. It takes them up between two stimuli.
 const MOST_WAITING: usize = 64;
-/// Whose pages there are, in the order of their tokens, with their paths.
+/// Persons of the pages, in the order of their tokens, with their paths.
 const PAGES: [(Who, &str); 2] = [(Who::Participant, ""), (Who::Experimenter, "experimenter")];
-/// A page that says nothing for so long is lost; it says something every second.
+/// Time after which a silent page counts as lost; a page sends something every second.
 const SILENT: Duration = Duration::from_secs(3);
 
-/// What was said on a page.
+/// Message from a page.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Heard {
     /// The participant's reply to the view of this number.
     Reply(u64, Reply),
     /// The experimenter's note.
     Note(String),
-    /// The experimenter: what was to be laid under the finger lies there.
+    /// The experimenter: the object to be laid under the finger lies there.
     Laid,
     /// The experimenter: the trial is void, for this reason.
     Void(String),
@@ -54,7 +54,7 @@ pub struct Desk {
     shared: Arc<Shared>,
     /// The participant's page, with its token if it needs one.
     pub url: String,
-    /// The experimenter's, with another one.
+    /// The experimenter's page, with another token.
     pub experimenter_url: String,
 }
 
@@ -100,7 +100,7 @@ impl Shown {
 }
 
 impl State {
-    /// Lets what was heard wait for the session; false where too much does already.
+    /// Queues a message for the session; `false` where too many wait already.
     fn wait(&mut self, heard: Heard) -> bool {
         let is_word = matches!(heard, Heard::Note(_) | Heard::Void(_) | Heard::Laid);
         if is_word && self.heard.len() >= MOST_WAITING {
@@ -150,19 +150,19 @@ enum Who {
     Experimenter,
 }
 
-/// What a page says.
+/// Message that a page sends.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Said {
     who: Option<Who>,
-    /// The view that a reply is to.
+    /// Number of the view that a reply is to.
     view: u64,
     reply: Option<Reply>,
     note: Option<String>,
     laid: bool,
     void: Option<String>,
     stop: bool,
-    /// That it is there.
+    /// Sign of life.
     alive: bool,
 }
 
@@ -187,7 +187,7 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Takes in what a page said; false for what is no message of a page, or one too many.
+    /// Takes a page's message; `false` for a text that is none, or for one too many.
     fn said(&self, who: Who, text: &str) -> bool {
         let Ok(said) = serde_json::from_str::<Said>(text) else {
             return false;
@@ -209,7 +209,7 @@ impl Shared {
         heard.into_iter().flatten().all(|heard| self.hear(heard))
     }
 
-    /// A new page, which is told the newest view.
+    /// Opens a new page, which gets the newest view.
     fn open(&self, who: Who) -> Arc<Slot> {
         let slot = Arc::new(Slot::default());
         let mut state = self.held();
@@ -219,7 +219,7 @@ impl Shared {
             && let Some(older) = shown.pages.pop()
         {
             older.close();
-            // Whatever the older one was in the midst of, it will not say.
+            // The older page will not finish its message.
             state.wait(Heard::Lost);
         }
         state.shown(who).pages.push(Arc::clone(&slot));
@@ -288,25 +288,25 @@ impl Desk {
         })
     }
 
-    /// Whether STOP was heard; a run asks this once every turn.
+    /// Tells whether STOP was heard; a run asks this once every turn.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.shared.stop.load(Ordering::Relaxed)
     }
 
-    /// When STOP was heard, if it was.
+    /// Time at which STOP was heard, if it was.
     #[must_use]
     pub fn stopped(&self) -> Option<Instant> {
         self.shared.held().stopped
     }
 
-    /// Whether the participant's page is there.
+    /// Tells whether the participant's page is there.
     #[must_use]
     pub fn is_seated(&self) -> bool {
         !self.shared.held().participant.pages.is_empty()
     }
 
-    /// Shows the participant something, and returns its number: what a reply has to name.
+    /// Shows the participant a view, and returns its number, which a reply has to name.
     pub fn show(&self, view: Value) -> u64 {
         self.shared.held().participant.change(|last| *last = view)
     }
@@ -325,7 +325,7 @@ impl Desk {
         }
     }
 
-    /// What was said next, if anything is within so long.
+    /// Returns the next message, if one comes within `most`.
     #[must_use]
     pub fn hear(&self, most: Duration) -> Option<Heard> {
         let waits = |state: &mut State| state.heard.is_empty();

@@ -42,7 +42,7 @@ const FILES: [PageFile; 11] = [
     script!("recording.js"),
 ];
 
-/// The page in a notebook, over a loop in Python; beside it `FILES` has what it loads.
+/// The page in a notebook, over a loop in Python; `FILES` has the scripts that it loads.
 const NOTEBOOK: PageFile = script!("notebook.js");
 
 /// The pages of a study: the participant's and the experimenter's.
@@ -72,7 +72,7 @@ const STUDY: [PageFile; 7] = [
     },
 ];
 
-/// What a page is over.
+/// Kind of session that a page shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Page {
     /// A run that goes on.
@@ -84,7 +84,7 @@ pub(super) enum Page {
 }
 
 impl Page {
-    /// What the playground's page says that this one says otherwise.
+    /// Texts of the playground's page that this page replaces, with the replacements.
     const fn otherwise(self) -> &'static [(&'static str, &'static str)] {
         const BODY: &str = "<body>";
         const TITLE: &str = "<title>Palpate: touch it</title>";
@@ -104,7 +104,7 @@ impl Page {
         }
     }
 
-    /// Where its page may connect: to this host alone. Two recordings are two frames of the same page.
+    /// Sources that the page may connect to: this host alone. Two recordings are two frames of the same page.
     fn connects(self, host: &str) -> String {
         let frames = match self {
             Self::Live | Self::Study => "",
@@ -124,7 +124,7 @@ pub(super) fn file(path: &str, page: Page) -> Option<&'static PageFile> {
 }
 
 impl PageFile {
-    /// Its text for a page that was asked for by this host's name, which may open a socket there and nowhere else. Where that
+    /// Text of the file for a page at this host's name, which may open a socket there and nowhere else. Where a socket
     /// needs a token, the page knows why it has none.
     pub(super) fn text(&self, host: &str, page: Page, wants_token: bool) -> String {
         if self.media_type != HTML {

@@ -1,4 +1,5 @@
-//! Who may look: a page of this program's own, by a name of this computer, or one that has the token.
+//! Admission of requests: from a page of this program's own, by a name of this computer, or from one that has the
+//! token.
 //!
 //! Any page of any site can ask a browser to open a socket to this computer. Its `Origin` says so, and a name that was
 //! bent to this computer (DNS rebinding) stands in `Host`.
@@ -10,15 +11,15 @@ use palpate_run::Failure;
 use super::http::Request;
 use crate::link::key::random;
 
-/// What is asked of requests.
+/// Rules for requests.
 #[derive(Clone, Debug)]
 pub(super) struct Gate {
-    /// What a socket has to show where other computers may come, one for each page; none elsewhere.
+    /// Tokens that sockets need where other computers may come, one for each page; empty elsewhere.
     tokens: Vec<String>,
 }
 
 impl Gate {
-    /// For a server of so many pages at this address: on a loopback address names of this computer are enough.
+    /// A gate for a server of so many pages at this address: on a loopback address names of this computer are enough.
     ///
     /// # Errors
     /// [`Failure::Device`] for a system without random bytes.
@@ -32,20 +33,20 @@ impl Gate {
         Ok(Self { tokens })
     }
 
-    /// The address of a page by its path and number, with its token if it has one. A browser sends nothing of what stands
-    /// behind the `#`.
+    /// The address of a page by its path and number, with its token if it has one. A browser keeps the part behind the
+    /// `#` to itself.
     pub(super) fn url(&self, address: SocketAddr, path: &str, page: usize) -> String {
         let token = self.tokens.get(page);
         let token = token.map(|token| format!("#token={token}"));
         format!("http://{address}/{path}{}", token.unwrap_or_default())
     }
 
-    /// Whether a socket needs a token.
+    /// Tells whether a socket needs a token.
     pub(super) const fn wants_token(&self) -> bool {
         !self.tokens.is_empty()
     }
 
-    /// Whether a request may have a file of the page; a sentence where not.
+    /// Checks that a request may have a file of the page. The error is a sentence.
     pub(super) fn admits(&self, request: &Request) -> Result<(), &'static str> {
         let plain = |c: char| c.is_ascii_alphanumeric() || ".:-[]".contains(c);
         if request.host.is_empty() || !request.host.chars().all(plain) {
@@ -57,8 +58,8 @@ impl Gate {
         }
     }
 
-    /// Whether a request may have a socket; a sentence where not. Where a token is needed, it is that of the page of this
-    /// number.
+    /// Checks that a request may have a socket. Returns the number of the page whose token it shows, where one is
+    /// needed. The error is a sentence.
     pub(super) fn admits_socket(&self, request: &Request) -> Result<Option<usize>, &'static str> {
         self.admits(request)?;
         if request.origin.strip_prefix("http://") != Some(&request.host) {

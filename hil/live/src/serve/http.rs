@@ -1,4 +1,4 @@
-//! As much of HTTP as a page needs: the head of a request in, a file or a refusal out, or the way to a socket.
+//! The part of HTTP that a page needs: the head of a request in, a file or a refusal out, or the way to a socket.
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
@@ -12,7 +12,7 @@ use crate::clock;
 const MOST_HEAD: usize = 8192;
 const MOST_FIELDS: usize = 64;
 
-/// A connection until a moment: however little comes or is taken at a time, it ends then.
+/// A connection that ends at a moment, however little comes or is taken at a time.
 #[derive(Debug)]
 pub(super) struct Brief<'a> {
     stream: &'a TcpStream,
@@ -53,7 +53,7 @@ impl Write for Brief<'_> {
     }
 }
 
-/// What a request asks for.
+/// Head of a request.
 #[derive(Debug, Default)]
 pub(super) struct Request {
     pub(super) path: String,
@@ -65,7 +65,7 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// The token that it shows.
+    /// Token that the request shows.
     pub(super) fn token(&self) -> Option<&str> {
         let mut pairs = self
             .query
@@ -76,7 +76,7 @@ impl Request {
             .map(|(_, token)| token)
     }
 
-    /// Reads the head of a request; none of what is no request of a browser.
+    /// Reads the head of a request; `None` for text that is no request of a browser.
     pub(super) fn read(stream: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut head, mut piece) = (Vec::new(), [0; 1024]);
         loop {
@@ -101,7 +101,7 @@ impl Request {
             let value = same
                 .next()
                 .map(|h| String::from_utf8_lossy(h.value).into_owned());
-            // Of two it cannot be known which one a browser meant.
+            // Of two fields with one name, nobody knows which one the browser meant.
             value.filter(|_| same.next().is_none())
         };
         if parsed.method != Some("GET") {

@@ -1,4 +1,4 @@
-//! The live view of a run, as its pages have it: what each is told when it opens, which display it looks at, what it says.
+//! The live view of a run: the state that a page gets when it opens, the display that it looks at, its messages.
 
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpStream};
@@ -17,9 +17,9 @@ use super::files::Page;
 use super::server::{self, Show, converse, socket};
 use super::slot::Slot;
 
-/// Pages have so long to take in how the run ended.
+/// Time for pages to take in the end of the run.
 const LAST: Duration = Duration::from_millis(500);
-/// Displays that can be told apart.
+/// Most displays that are told apart.
 const DISPLAYS: usize = 64;
 
 /// A server of live views.
@@ -30,7 +30,7 @@ pub struct Live {
     pub url: String,
 }
 
-/// What pages and the run have in common.
+/// State that pages and the run share.
 #[derive(Debug, Default)]
 pub(super) struct Hub {
     pages: Mutex<Vec<Arc<Slot>>>,
@@ -42,14 +42,14 @@ pub(super) struct Hub {
     /// The thread that paints for them, asleep while no page looks.
     painting: Mutex<Option<Thread>>,
     stop: AtomicBool,
-    /// A page has opened.
+    /// `true` once a page has opened.
     seen: AtomicBool,
 }
 
-/// What a page is told that opens while the run goes on.
+/// State of the run for a page that opens while it goes on.
 #[derive(Debug, Default)]
 struct Known {
-    /// A run's number: a page that comes back finds another one's pictures no part of what it has.
+    /// Number of the run: a page that comes back drops pictures of another run.
     run: u64,
     heads: Vec<Head>,
     names: Vec<String>,
@@ -57,7 +57,7 @@ struct Known {
     over: Option<Arc<str>>,
 }
 
-/// What a page says.
+/// Message that a page sends.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Said {
@@ -65,7 +65,7 @@ struct Said {
     display: Option<usize>,
 }
 
-/// A lock, whatever became of the thread that had it.
+/// Locks, whatever became of the thread that had the lock.
 fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -112,24 +112,25 @@ impl Live {
         Ok(())
     }
 
-    /// Whether a page has opened.
+    /// Tells whether a page has opened.
     #[must_use]
     pub fn is_seen(&self) -> bool {
         self.hub.seen.load(Ordering::Relaxed)
     }
 
-    /// Whether a page has said STOP; a run asks this once every turn.
+    /// Tells whether a page has said STOP; a run asks this once every turn.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.hub.is_stopped()
     }
 
-    /// What its pages have in common with a run.
+    /// State that its pages share with a run.
     pub(super) fn hub(&self) -> Arc<Hub> {
         Arc::clone(&self.hub)
     }
 
-    /// The run is over, and this is what it came to and what it measured of its limits; pages have a moment to take it in.
+    /// Tells pages that the run is over, with its summary and the measured share of each limit. Pages have a moment to
+    /// take it in.
     pub fn over(&self, line: &str, margins: &[Margin]) {
         let measured = margins.iter().map(|m| (m.of.name(), m.used_words()));
         let measured: Vec<_> = measured.collect();
@@ -144,7 +145,7 @@ impl Live {
 }
 
 impl Hub {
-    /// One more display of the run.
+    /// Adds a display of the run.
     pub(super) fn add(&self, run: &Beginning<'_>) {
         let mut known = held(&self.run);
         known
@@ -159,29 +160,29 @@ impl Hub {
             .for_each(|page| page.tell(Arc::clone(&hello)));
     }
 
-    /// Whether a page has said STOP.
+    /// Tells whether a page has said STOP.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Whether any page looks at anything.
+    /// Tells whether any page looks at a display.
     pub(super) fn is_watched(&self) -> bool {
         self.looked_at.load(Ordering::Relaxed) != 0
     }
 
-    /// Whether a page looks at this display.
+    /// Tells whether a page looks at this display.
     pub(super) fn looks_at(&self, display: usize) -> bool {
         let bit = 1 << display.min(DISPLAYS - 1);
         self.looked_at.load(Ordering::Relaxed) & bit != 0
     }
 
-    /// Has a thread woken whenever pages look elsewhere; and now, since one may have come before this.
+    /// Has a thread woken whenever pages look elsewhere; and now, since a page may have come before this call.
     pub(super) fn wakes(&self, painting: &Thread) {
         *held(&self.painting) = Some(painting.clone());
         painting.unpark();
     }
 
-    /// The newest picture of a display, for all pages that look at it.
+    /// Sends the newest picture of a display to all pages that look at it.
     pub(super) fn show(&self, display: usize, picture: &Arc<str>) {
         held(&self.newest).insert(display, Arc::clone(picture));
         held(&self.pages)
@@ -213,7 +214,7 @@ impl Hub {
         if known.over.is_some() {
             self.show_last(&slot, 0);
         }
-        // Still under the lock: what is told from here on reaches this page too.
+        // Still under the lock: messages from here on reach this page too.
         held(&self.pages).push(Arc::clone(&slot));
         drop(known);
         self.look_again();
@@ -221,14 +222,14 @@ impl Hub {
         slot
     }
 
-    /// Shows what there was last of a display.
+    /// Shows the newest picture of a display.
     fn show_last(&self, slot: &Slot, display: usize) {
         if let Some(picture) = held(&self.newest).get(&display) {
             slot.show(display, picture);
         }
     }
 
-    /// What a page says; false for what is no message of a page.
+    /// Takes a page's message. Returns `false` for text that is no message of a page.
     fn hear(&self, slot: &Slot, text: &str) -> bool {
         let Ok(said) = serde_json::from_str::<Said>(text) else {
             return false;

@@ -22,13 +22,13 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use palpate_buses::datagrams::address_or;
 
-/// Where a page is served where an address names no port.
+/// Port of a page where an address names none.
 pub const PORT: u16 = 8137;
 
 /// An address to serve at: `PORT` of this computer, `ADDRESS` or `ADDRESS:PORT`.
 ///
 /// # Errors
-/// What was expected.
+/// Words of the expected address.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     match text.parse::<u16>() {
         Ok(port) => Ok((Ipv4Addr::LOCALHOST, port).into()),

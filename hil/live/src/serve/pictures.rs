@@ -1,5 +1,5 @@
-//! From a run's loop to the pictures of its pages. The loop copies what a picture is made of, and a thread paints it in
-//! its own time. Neither waits for the other, and the loop wakes no thread: that would cost it more than the copy.
+//! Pictures of a run's pages, from its loop. The loop copies the data of a picture, and a thread paints it in its own
+//! time. Neither waits for the other, and the loop wakes no thread: that would cost it more than the copy.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,7 @@ use crate::clock;
 
 /// Time between two pictures.
 const EVERY: Duration = Duration::from_micros(33_333);
-/// The thread looks for the next picture so long after it is due: the loop's turns are up to a millisecond apart.
+/// Delay of the thread's look after a picture is due: the loop's turns are up to a millisecond apart.
 const LATE: Elapsed = Elapsed::from_micros(500);
 /// First pause after a look that found nothing. Each one after it is twice as long, up to a picture's time.
 const SOON: Elapsed = Elapsed::from_millis(1);
@@ -31,33 +31,33 @@ pub struct LiveRun {
     painting: Option<JoinHandle<()>>,
 }
 
-/// What the loop and the thread that paints have in common.
+/// State that the loop and the thread that paints share.
 #[derive(Debug, Default)]
 struct Studio {
     easels: Mutex<Vec<Arc<Mutex<Easel>>>>,
     is_over: AtomicBool,
 }
 
-/// A display of the run, as its loop has it.
+/// A display of the run, with the loop's state of it.
 struct Shown {
     easel: Arc<Mutex<Easel>>,
     next: Instant,
-    /// How many of its events have been looked at, and how many pictures were due.
+    /// Events of the display that have been looked at, and pictures that were due.
     told: usize,
     number: u64,
 }
 
-/// A display's painter, and what its next picture is made of.
+/// A display's painter, and the data of its next picture.
 #[derive(Debug)]
 struct Easel {
     painter: Painter,
     number: u64,
-    /// Both keep their memory from picture to picture.
+    /// Events for the picture. The vector keeps its memory from picture to picture, and so does `counts`.
     events: Vec<Event>,
     counts: Vec<f32>,
-    /// None once it is painted.
+    /// State of the picture; `None` once it is painted.
     state: Option<State>,
-    /// When they were copied: the thread keeps in step with the loop by this.
+    /// Time at which events, counts and state were copied: the thread keeps in step with the loop by this.
     at: Clock,
 }
 
@@ -69,7 +69,7 @@ struct Made {
     picture: Picture,
 }
 
-/// A lock, if it is free: waiting is a call of the system, for the one who waits and for the one who is waited for.
+/// A lock, if it is free: waiting is a call of the system, for both threads.
 fn free<T>(lock: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     match lock.try_lock() {
         Ok(held) => Some(held),
@@ -87,7 +87,7 @@ impl fmt::Debug for LiveRun {
 }
 
 impl LiveRun {
-    /// Of a live view whose run is about to begin.
+    /// A run's end of a live view, for a run that is about to begin.
     ///
     /// # Errors
     /// [`Failure::Device`] when the system gives no thread.
@@ -109,7 +109,7 @@ impl LiveRun {
         })
     }
 
-    /// The run is about to begin, or that of one more display.
+    /// Adds the run that is about to begin, or one more of its displays.
     pub fn add(&mut self, run: &Beginning<'_>) {
         let easel = Arc::new(Mutex::new(Easel {
             painter: Painter::new(run.setup, run.header, run.projector),
@@ -129,7 +129,7 @@ impl LiveRun {
         self.hub.add(run);
     }
 
-    /// Whether a page has said STOP.
+    /// Tells whether a page has said STOP.
     pub fn is_stopped(&self) -> bool {
         self.hub.is_stopped()
     }
@@ -166,12 +166,12 @@ impl LiveRun {
 }
 
 impl Drop for LiveRun {
-    /// The last picture is shown before the pages are told how the run ended.
+    /// Shows the last picture before the pages hear of the run's end.
     fn drop(&mut self) {
         self.studio.is_over.store(true, Ordering::Release);
         if let Some(painting) = self.painting.take() {
             painting.thread().unpark();
-            // A thread that panicked has said so.
+            // A panic of the thread has been reported already.
             let _ = painting.join();
         }
     }
@@ -196,7 +196,7 @@ impl Studio {
                     continue;
                 };
                 newest = newest.max(Some(at));
-                // What can be no JSON would be a fault of ours, and every picture stands for itself.
+                // A picture that cannot be JSON would be a fault of ours, and every picture stands for itself.
                 if let Ok(text) = serde_json::to_string(&made) {
                     hub.show(display, &text.into());
                 }
@@ -218,7 +218,7 @@ impl Studio {
 }
 
 impl Easel {
-    /// Makes room. What was not painted in time is not shown: its place is the newer one's.
+    /// Makes room for a newer picture. One that was not painted in time is never shown.
     fn clear(&mut self) {
         if self.state.take().is_some() {
             self.painter.pass(&self.events);
@@ -227,7 +227,7 @@ impl Easel {
         self.counts.clear();
     }
 
-    /// The picture, if there is a new one, and when it was copied.
+    /// Paints the picture, if there is a new one. Returns it with the time of its copy.
     fn paint(&mut self, display: usize) -> Option<(Made, Clock)> {
         let state = self.state.take()?;
         let picture = self.painter.picture(&self.events, &self.counts, state);

@@ -1,8 +1,8 @@
 //! Recordings in pages, one or two beside each other: every page is shown the moment that it asks for.
 //!
-//! A page says `{"run": N}` once, and is told the head of that recording in a `hello`. From then on each `{"at_us": T}` is
-//! answered by one `moment`, or by `failed` with a sentence. A page that asks again before it has its answer waits: there
-//! is no queue but the socket.
+//! A page sends `{"run": N}` once, and gets the head of that recording in a `hello`. From then on each `{"at_us": T}`
+//! is answered by one `moment`, or by `failed` with a sentence. A page that asks again before it has its answer waits:
+//! there is no queue but the socket.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -31,12 +31,12 @@ pub struct Recordings {
 
 #[derive(Debug)]
 struct Runs {
-    /// A page that comes back finds another server's recordings no part of what it has.
+    /// Number of the server: a page that comes back drops recordings of another one.
     number: u64,
     runs: Vec<Run>,
 }
 
-/// One of them.
+/// A recording that is shown.
 #[derive(Debug)]
 struct Run {
     name: String,
@@ -44,7 +44,7 @@ struct Run {
     recorded: Arc<Recorded>,
 }
 
-/// What a page says.
+/// Message that a page sends.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Said {
@@ -74,7 +74,7 @@ impl Recordings {
     /// [`Failure::File`] for one that is not there or is no recording of a run.
     pub fn read(paths: &[PathBuf]) -> Result<Self, Failure> {
         let number = u64::from_le_bytes(crate::link::key::random()?);
-        // Two files of one name are told apart by their folders.
+        // Folders tell two files of one name apart.
         let alone = |name: &OsStr| {
             let same = paths.iter().filter(|path| path.file_name() == Some(name));
             same.count() == 1
@@ -101,7 +101,7 @@ impl Recordings {
         Ok(Self { runs })
     }
 
-    /// What is wrong with their files, a sentence each.
+    /// Damage of the files, a sentence each.
     #[must_use]
     pub fn damages(&self) -> Vec<String> {
         let damaged = self.runs.runs.iter();
@@ -121,7 +121,7 @@ impl Recordings {
 }
 
 impl Run {
-    /// What is wrong with the file, and how far it is shown.
+    /// Damage of the file, and the time until which it is shown.
     fn damaged(&self) -> String {
         let few: Vec<&str> = self
             .recorded
@@ -169,7 +169,7 @@ impl Show for Runs {
                 Ok(Message::Ping(_) | Message::Pong(_)) => continue,
                 _ => return,
             };
-            // What is no wish of a page ends its socket and nothing else.
+            // A text that is no message of a page ends its socket and nothing else.
             let Ok(said) = serde_json::from_str::<Said>(&text) else {
                 return;
             };

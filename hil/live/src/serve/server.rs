@@ -17,7 +17,7 @@ use super::gate::Gate;
 use super::http::{Brief, Request, answer, switch};
 use super::slot::Slot;
 
-/// A browser has so long for its request and for taking the answer, both together; a page for each message.
+/// Time for a browser's request and for taking the answer, both together; time for each message of a page.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Requests that are read or answered at once; a page that loads has ten at most.
 const MOST_STRANGERS: usize = 64;
@@ -28,9 +28,9 @@ const REST: Duration = Duration::from_millis(10);
 /// Longest message of a page, bytes: a few words.
 const MOST_WISH: usize = 4096;
 
-/// What pages are shown.
+/// Content that a server shows on its pages.
 pub(super) trait Show: Send + Sync + 'static {
-    /// What the page is over.
+    /// Kind of session that the pages show.
     fn look(&self) -> Page;
 
     /// Serves a page through its socket, until either ends. `shown` is the number of the page whose token it has, none where
@@ -88,7 +88,7 @@ pub(super) fn serve<const N: usize>(
     Ok(urls)
 }
 
-/// Reads a request and answers it, as a stranger; who asks for a socket and may have it becomes a page.
+/// Reads a request and answers it, as a stranger. A stranger who asks for a socket and may have it becomes a page.
 fn connection(
     stream: TcpStream,
     place: Place,
@@ -137,8 +137,8 @@ fn connection(
     }
 }
 
-/// Speaks with a page until either ends. Reads on this thread, so that a STOP waits for nothing that is sent; another one
-/// sends what `slot` has. `hear` says whether a text is a message of a page.
+/// Speaks with a page until either ends. Reads on this thread, so that a STOP never waits for anything to be sent;
+/// another thread sends the messages of `slot`. `hear` returns whether a text is a message of a page.
 pub(super) fn converse(
     mut words: WebSocket<TcpStream>,
     slot: &Arc<Slot>,
@@ -177,7 +177,7 @@ pub(super) fn socket(stream: TcpStream) -> WebSocket<TcpStream> {
     socket
 }
 
-/// Lets messages of a page be so many bytes long.
+/// Sets the longest message of a page, bytes.
 pub(super) fn widen(socket: &mut WebSocket<TcpStream>, longest: usize) {
     socket.set_config(|config| {
         config.max_message_size = Some(longest);

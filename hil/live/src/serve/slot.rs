@@ -1,4 +1,5 @@
-//! What waits for one page: what it must be told, and the newest picture or view. One that is not taken in time is replaced.
+//! Mailbox of one page: messages that must arrive, and the newest picture or view. A newer one replaces one that was
+//! not taken in time.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,7 +19,7 @@ pub(super) struct Slot {
 struct Mail {
     told: VecDeque<Arc<str>>,
     picture: Option<Arc<str>>,
-    /// What was taken is on its way.
+    /// `true` while the last taken message is on its way.
     sending: bool,
     gone: bool,
 }
@@ -28,13 +29,13 @@ impl Slot {
         self.mail.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Something that must arrive.
+    /// Adds a message that must arrive.
     pub(super) fn tell(&self, text: Arc<str>) {
         self.held().told.push_back(text);
         self.changed.notify_all();
     }
 
-    /// The newest picture of a display, if that is the one it looks at.
+    /// Replaces the picture, if the page looks at this display.
     pub(super) fn show(&self, display: usize, picture: &Arc<str>) {
         if self.display.load(Ordering::Relaxed) == display {
             self.held().picture = Some(Arc::clone(picture));
@@ -47,7 +48,7 @@ impl Slot {
         self.held().picture = None;
     }
 
-    /// The page is gone.
+    /// Marks the page as gone.
     pub(super) fn close(&self) {
         self.held().gone = true;
         self.changed.notify_all();
@@ -57,7 +58,7 @@ impl Slot {
         self.held().gone
     }
 
-    /// What to send next; none once the page is gone.
+    /// Waits for the next message; `None` once the page is gone.
     pub(super) fn next(&self) -> Option<Arc<str>> {
         let mut mail = self.held();
         loop {
@@ -77,7 +78,7 @@ impl Slot {
         }
     }
 
-    /// Waits until everything was sent, for so long at most.
+    /// Waits until everything was sent, `most` at most.
     pub(super) fn drained(&self, most: Duration) {
         let waits = |mail: &mut Mail| !mail.gone && (mail.sending || !mail.told.is_empty());
         let held = self.changed.wait_timeout_while(self.held(), most, waits);

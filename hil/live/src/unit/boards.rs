@@ -1,4 +1,4 @@
-//! What a unit's process drives: emulated boards, or those of a Linux I2C adapter under a guardian.
+//! Boards that a unit's process drives: emulated ones, or those of a Linux I2C adapter under a guardian.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -21,25 +21,25 @@ use crate::emulate::{Flowed, ServedDisplay};
 use crate::real::{Heat, lost, refuse_latched, unguarded, watch};
 use crate::telling::Teller;
 
-/// What stands behind a unit's bus.
+/// Boards behind a unit's bus.
 pub(super) trait Boards {
-    /// Before a turn, `since_ns` after the start: time passes there, and the owner of the bus is known to be alive.
+    /// Lets time pass before a turn, `since_ns` after the start; the owner of the bus is alive.
     fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure>;
 
-    /// What heat is booked with; nothing of emulated boards.
+    /// Accounts of heat; `None` for emulated boards.
     fn ledger(&self) -> Option<&Heat> {
         None
     }
 
-    /// Whether somebody switches off what this program leaves on.
+    /// Tells whether a guardian switches off outputs that this program leaves on.
     fn is_guarded(&self) -> bool {
         true
     }
 
-    /// The end. `off` says whether every board took its all-off; whether everything is off.
+    /// Ends the work. `off` tells whether every board took its all-off. Returns whether everything is off.
     fn finish(&mut self, off: bool) -> Result<bool, String>;
 
-    /// What flowed, where that is known.
+    /// Currents of the wires, where they are known.
     fn flowed(&mut self) -> Option<Flowed> {
         None
     }
@@ -50,7 +50,7 @@ pub(super) struct Emulated {
     display: ServedDisplay,
     /// The Peltier module under the fingertip, where the bench has one.
     module: Option<PeltierHandle>,
-    /// Of that module.
+    /// Parameters of that module.
     parameters: PeltierParameters,
     /// CLOCK_MONOTONIC at the emulators' zero.
     epoch_ns: u64,
@@ -69,13 +69,13 @@ impl Emulated {
         })
     }
 
-    /// The module and what the unit regulates it with.
+    /// The module, and the regulator that the unit uses for it.
     pub(super) fn module(&self) -> Option<(PeltierHandle, Regulator)> {
         let regulator = Regulator::new(self.parameters, Thermistor::default());
         self.module.clone().map(|module| (module, regulator))
     }
 
-    /// What the unit holds: the bus, and the line to the OE pins.
+    /// Lines that the unit holds: the bus, and the one to the OE pins.
     pub(super) fn lines(&self) -> (I2cHandle, OeLine) {
         let bus = self.display.worn.bus();
         (bus.clone(), OeLine(bus))
@@ -136,7 +136,8 @@ impl OutputPin for OePin {
 }
 
 impl Guarded {
-    /// Opens the adapter; the guardian has switched everything off when this returns. What it found driving is told too.
+    /// Opens the adapter; the guardian has switched everything off when this returns. Returns the boards that it found
+    /// driving, too.
     pub(super) fn open(bench: &Bench, real: &Real, heat: Heat) -> Result<(Self, String), Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
@@ -162,7 +163,7 @@ impl Guarded {
         Ok((opened, found))
     }
 
-    /// What the unit holds, once.
+    /// Lines that the unit holds: the bus, and the one to the OE pins. `None` after the first call.
     pub(super) fn lines(&mut self) -> Option<(Blocking, OePin)> {
         let pin = OePin(Rc::clone(&self.guardian), self.has_oe);
         Some((self.line.take()?, pin))

@@ -28,28 +28,28 @@ use boards::{Boards, Emulated, Guarded};
 pub use record::Record;
 use record::Told;
 
-/// Between two turns at the most, nanoseconds.
+/// Longest time between two turns, nanoseconds.
 const TURN_NS: u64 = 1_000_000;
-/// Refused datagrams are told of this often at the most.
+/// Shortest time between two reports of refused datagrams.
 const REFUSED_NS: u64 = 1_000_000_000;
 
-/// What to serve, and how to speak of it.
+/// Address, key and output of a unit that serves.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Where to listen; port 0 takes a free one.
+    /// Address to listen at; port 0 takes a free one.
     pub listen: SocketAddr,
     /// The key that its host has too.
     pub key: [u8; 32],
-    /// How to speak.
+    /// Form of the words on standard output.
     pub telling: Telling,
 }
 
-/// The link, and who was on it.
+/// The link, and the addresses at its other end.
 struct Link {
     socket: Socket,
-    /// Who sent the newest datagram.
+    /// Sender of the newest datagram.
     newest: SocketAddr,
-    /// Who was last sent a status: the host.
+    /// Receiver of the newest status: the host.
     host: SocketAddr,
 }
 
@@ -87,13 +87,13 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         addresses: &addresses,
         limits: *projector.guard().limits(),
         plant: *projector.guard().plant(),
-        // A processor that runs Linux bears them.
+        // A processor that runs Linux bears the guard's thermal rows.
         heat: true,
         converters: plan::converters(bench),
     };
     let cannot = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
     let device = |what: String| move |e: std::io::Error| Failure::Device(format!("{what}: {e}"));
-    // What lets an abort in the middle of a burst be noticed late.
+    // A core dump would let an abort in the middle of a burst be noticed late.
     let _ = forbid_core_dumps();
     let signals = Signals::catch().map_err(device("signals".into()))?;
     let listening = device(options.listen.to_string());
@@ -165,7 +165,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// As [`refuse_slow`] by the unit's own guard.
+/// Errors of [`refuse_slow`] by the unit's own guard.
 fn refuse_slow_bus(
     real: &Real,
     settings: &Settings<'_>,
@@ -176,7 +176,7 @@ fn refuse_slow_bus(
         .map(|guard| refuse_slow(real, &guard))
 }
 
-/// What was told last.
+/// State that was told last.
 #[derive(Default)]
 struct Seen {
     host: Option<SocketAddr>,
@@ -197,13 +197,13 @@ struct Process {
     record: Record,
 }
 
-/// The unit's clock: CLOCK_MONOTONIC itself, so that what hosts and emulators say can be held against it.
+/// The unit's clock: CLOCK_MONOTONIC itself, so that times of hosts and emulators can be compared with it.
 const fn shown(t_ns: u64) -> Instant {
     Instant::from_micros(t_ns / 1000)
 }
 
 impl Process {
-    /// Turns until a signal or a failure. The outputs go off whatever ended it.
+    /// Runs turns until a signal or a failure. The outputs go off whatever ended it.
     fn run<I: I2c, P: OutputPin, T: Module, B: Boards>(
         mut self,
         mut unit: Unit<I, P, T>,
@@ -282,7 +282,7 @@ impl Process {
         Ok(())
     }
 
-    /// Says what is new.
+    /// Tells the news since the last call.
     fn tell<I: I2c, P: OutputPin, T: Module>(
         &mut self,
         t_ns: u64,

@@ -1,4 +1,4 @@
-//! What a unit's process says: who drives it, when it stops, and at the end what was played.
+//! Events of a unit's process: its host, its stops, and at the end the counts of stimuli.
 
 use std::io::{self, Write};
 use std::net::SocketAddr;
@@ -9,16 +9,16 @@ use serde::Serialize;
 use crate::emulate::{Flowed, PinEdge};
 use crate::telling::Say;
 
-/// Something that happened. Times are nanoseconds of CLOCK_MONOTONIC.
+/// An event of a unit's process. Times are nanoseconds of CLOCK_MONOTONIC.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 #[allow(missing_docs)] // `t_ns` is when
 pub enum Told<'a> {
-    /// It listens, and everything is off.
+    /// The unit listens, and everything is off.
     Serving {
         t_ns: u64,
         address: SocketAddr,
-        /// What its boards are: `emulated` or `real`.
+        /// Kind of boards: `emulated` or `real`.
         source: &'static str,
         /// The I2C adapter of real boards.
         i2c: Option<&'a str>,
@@ -35,24 +35,25 @@ pub enum Told<'a> {
     },
     /// The host was silent for half a second, or is done.
     HostGone { t_ns: u64, address: SocketAddr },
-    /// Datagrams were refused since this was last said, at least a second ago: of another key, session or version, or none.
+    /// Datagrams were refused since the last such event, at least a second ago: of another key, session or version, or
+    /// none.
     Refused {
         t_ns: u64,
         count: u32,
-        /// Who sent the newest datagram.
+        /// Sender of the newest datagram.
         address: SocketAddr,
     },
-    /// The guard stopped it.
+    /// The guard stopped the unit.
     Stopped { t_ns: u64, cause: &'static str },
     /// A stop was acknowledged.
     DrivesAgain { t_ns: u64 },
     /// An output of an emulated board changed.
     Edge(PinEdge),
-    /// The end.
+    /// The summary at the end.
     Record(&'a Record),
 }
 
-/// What it all came to.
+/// Record of the whole time served.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Record {
     /// `emulated` or `real`.
@@ -63,26 +64,26 @@ pub struct Record {
     pub sessions: u32,
     /// Stimuli begun.
     pub begun: u32,
-    /// Of them, those that the guard changed or refused.
+    /// Stimuli that the guard changed or refused.
     pub limited: u32,
     /// Stimuli left out.
     pub dropped: u32,
-    /// The latest beginning in the last session after its time, microseconds.
+    /// Largest lateness of a beginning in the last session, microseconds.
     pub late_us: u32,
     /// Stops.
     pub stops: u32,
     /// Datagrams refused.
     pub refused: u32,
-    /// Longest that a turn began after its time, microseconds.
+    /// Largest lateness of a turn, microseconds.
     pub latest_turn_us: u64,
-    /// Whether every output was known to be off at the end.
+    /// `true` where every output was known to be off at the end.
     pub off: bool,
-    /// Emulated boards: their wires, and what flowed.
+    /// Currents of the wires, for emulated boards.
     pub emulated: Option<Flowed>,
 }
 
 impl Record {
-    /// Takes over what the unit counted.
+    /// Takes over the unit's counts.
     pub const fn counts(&mut self, counts: &Counts) {
         self.sessions = counts.sessions;
         self.begun = counts.applied;

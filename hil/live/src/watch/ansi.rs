@@ -1,4 +1,4 @@
-//! Cells as the escape sequences that every terminal of today understands (ECMA-48).
+//! Cells as escape sequences that every terminal of today understands (ECMA-48).
 
 use std::io::{self, Write};
 
@@ -26,7 +26,7 @@ fn color(color: Color, base: u8) -> String {
 }
 
 impl<W: Write> Ansi<W> {
-    /// A screen whose size nothing tells yet.
+    /// A screen of unknown size.
     pub fn new(out: W) -> Self {
         Self {
             out,

@@ -11,7 +11,7 @@ use super::view::View;
 pub const SMALLEST: (u16, u16) = (80, 24);
 /// Cells of the skin, two characters each.
 const SKIN: (u16, u16) = (17, 15);
-/// Where the right half begins.
+/// Column at which the right half begins.
 const RIGHT: u16 = 37;
 /// Rows of contacts and of wires.
 const CONTACTS: usize = 4;
@@ -150,7 +150,7 @@ fn contacts(view: &View, buffer: &mut Buffer) {
     more(buffer, 4, view.contacts.len(), CONTACTS);
 }
 
-/// Says what a table has no room for, in the row below it.
+/// Writes the number of rows that a table has no room for, in the row below it.
 fn more(buffer: &mut Buffer, top: u16, there: usize, shown: usize) {
     if there > shown {
         let text = format!("   and {} more", there - shown);

@@ -1,4 +1,4 @@
-//! The skin as a raster of characters: which taxels a cell shows, and how hot it looks.
+//! The skin as a raster of characters: the taxels of a cell, and its shade.
 
 use palpate_records::trace::PlaceUm;
 use ratatui_core::style::Color;
@@ -7,12 +7,12 @@ use ratatui_core::style::Color;
 const SHADES: [char; 10] = ['.', ',', ':', '-', '=', '+', '*', '#', '%', '@'];
 /// Their colours in the palette of 256, blue to red.
 const COLORS: [u8; 10] = [236, 24, 31, 37, 36, 70, 142, 178, 208, 196];
-/// Up to so many taxels a cell shows the nearest one; beyond, every taxel has its cell and the largest counts.
+/// Taxels up to which a cell shows the nearest one; beyond, every taxel has its cell and the largest counts.
 const FEW: usize = 5000;
 /// The scale never ends below this many counts: noise is not drawn as touch.
 const LEAST: f32 = 200.0;
 
-/// Which taxels each cell shows.
+/// Taxels that each cell shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Raster {
     /// Cells across and down.
@@ -33,7 +33,7 @@ impl Raster {
             (i64::from(low.unwrap_or(0)), i64::from(high.unwrap_or(0)))
         };
         let ((x0, x1), (y0, y1)) = (bounds(|p| p.x), bounds(|p| p.y));
-        // Half of what a taxel has to itself, around all of them.
+        // Half the side of a taxel's own area is added around all of them.
         let area = ((x1 - x0).max(1) * (y1 - y0).max(1)) as f64;
         let own = ((area / taxels.len().max(1) as f64).sqrt() as i64).max(1000);
         let (width, height) = (x1 - x0 + own, y1 - y0 + own);
@@ -103,7 +103,7 @@ impl Raster {
     }
 }
 
-/// How a reading looks where the largest is `peak`: its shade and its colour.
+/// Shade and colour of a reading where the largest is `peak`.
 pub fn look(counts: f32, peak: f32) -> (char, Color) {
     if counts.is_nan() {
         return ('x', Color::DarkGray);

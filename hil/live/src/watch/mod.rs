@@ -28,7 +28,7 @@ const EVERY: Duration = Duration::from_millis(50);
 /// Time between two looks at the keys.
 const KEYS: std::time::Duration = std::time::Duration::from_millis(50);
 
-/// What is drawn: a display's view, and its skin's raster.
+/// A display's view, and its skin's raster, to be drawn.
 type Picture = (View, Arc<Raster>);
 
 /// A display of the run.
@@ -37,7 +37,7 @@ struct Shown {
     view: View,
     raster: Arc<Raster>,
     next: Instant,
-    /// How many of its events the view has seen.
+    /// Events of the display that the view has seen.
     told: usize,
 }
 
@@ -54,11 +54,11 @@ impl Shown {
     }
 }
 
-/// What keys ask for.
+/// Wishes of the keys.
 #[derive(Debug, Default)]
 struct Asked {
     stop: AtomicBool,
-    /// Which display is shown; beyond the last one, counted on from the first.
+    /// Number of the shown display; beyond the last one, counted on from the first.
     display: AtomicUsize,
 }
 
@@ -78,7 +78,7 @@ impl Asked {
         }
     }
 
-    /// Which of so many displays is shown.
+    /// Index of the shown one of `of` displays.
     fn display(&self, of: usize) -> usize {
         self.display.load(Ordering::Relaxed) % of.max(1)
     }
@@ -116,7 +116,7 @@ impl Watch {
         }))
     }
 
-    /// One more display of the same run.
+    /// Adds a display of the same run.
     pub fn add(&mut self, header: &Header, layout: &Layout, end: Instant) {
         self.shown.push(Shown::new(header, layout, end));
     }

@@ -1,4 +1,4 @@
-//! What a live view shows: the state of a run, kept up by its events.
+//! State of a run for a live view, kept up by the run's events.
 
 use std::collections::VecDeque;
 
@@ -8,61 +8,61 @@ use palpate_records::words::texture;
 
 /// Lines of the story that are kept.
 const LINES: usize = 32;
-/// A wire counts as driven for so long after its burst, so that the eye can follow, microseconds.
+/// Time after its burst for which a wire counts as driven, so that the eye can follow, microseconds.
 const AFTERGLOW_US: u64 = 250_000;
-/// The rate of frames is that of so many of them.
+/// Frames over which the rate is taken.
 const RATE_OVER: usize = 64;
 
 /// A contact of the newest frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
-    /// Its module.
+    /// Module of the contact.
     pub module: u16,
-    /// Its identity.
+    /// Identity of the contact.
     pub id: u32,
-    /// Its place on the module.
+    /// Place on the module.
     pub place: PlaceUm,
     /// Raw counts.
     pub counts: u32,
-    /// Its level.
+    /// Level of the contact.
     pub level: u16,
 }
 
 /// A wire of the display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wire {
-    /// Its board.
+    /// Board of the wire.
     pub board: u8,
-    /// Its channel.
+    /// Channel of the wire.
     pub channel: u8,
     /// Width of its last pulses, ticks of 4096.
     pub ticks: u16,
     /// End of its last burst.
     pub until_us: u64,
-    /// Thousandths of a degree Celsius, where anybody knows.
+    /// Temperature of the wire, thousandths of a degree Celsius, where it is known.
     pub wire_mc: Option<i32>,
-    /// The skin under it.
+    /// Temperature of the skin under the wire, thousandths of a degree Celsius, where it is known.
     pub skin_mc: Option<i32>,
 }
 
 /// The state of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
-    /// What is run, on what.
+    /// Scene and bench of the run.
     pub title: String,
     /// The time of the run and its end.
     pub now_us: u64,
-    /// When it will end.
+    /// Time at which the run ends.
     pub end_us: u64,
-    /// Where the taxels lie on the skin's plane.
+    /// Places of the taxels on the skin's plane.
     pub taxels: Vec<PlaceUm>,
-    /// Where the modules' own centres lie there.
+    /// Centres of the modules on the skin's plane.
     pub origins: Vec<PlaceUm>,
     /// The newest relative reading of every taxel, raw counts; NaN for one that is left out.
     pub counts: Vec<f32>,
     /// Frames so far.
     pub frames: u32,
-    /// Times of the newest.
+    /// Times of the newest frames.
     times: VecDeque<u64>,
     /// Contacts of the newest frame.
     pub contacts: Vec<Contact>,
@@ -70,20 +70,20 @@ pub struct View {
     pub wires: Vec<Wire>,
     /// Stimuli with a pulse.
     pub stimuli: u64,
-    /// Times the guard applied something other than what was requested.
+    /// Stimuli of which the guard applied something other than was requested.
     pub limited: u64,
-    /// What happened, the newest last.
+    /// Events in words, the newest last.
     pub story: VecDeque<(u64, String)>,
     /// The newest window of texture in words; empty without one.
     pub texture: String,
-    /// Which of several displays this is of, from 0, and how many there are.
+    /// Index of the display among several, from 0, and their number.
     pub which: Option<(usize, usize)>,
-    /// A line a sensor bus.
+    /// Sensor buses in words, a line each.
     pub buses: Vec<String>,
 }
 
 impl View {
-    /// Before anything has happened.
+    /// A view before the first event.
     pub fn new(header: &Header, layout: &Layout, end_us: u64) -> Self {
         let source = header.source.words();
         let (mut taxels, mut origins) = (Vec::new(), Vec::new());
@@ -116,7 +116,7 @@ impl View {
         }
     }
 
-    /// Takes in what happened.
+    /// Takes in events.
     pub fn observe(&mut self, events: &[Event]) {
         for event in events {
             match event {
@@ -198,12 +198,12 @@ impl View {
         }
     }
 
-    /// Whether a wire is driven, or was a moment ago.
+    /// Tells whether a wire is driven, or was a moment ago.
     pub fn is_driven(&self, wire: &Wire) -> bool {
         wire.ticks > 0 && self.now_us < wire.until_us.saturating_add(AFTERGLOW_US)
     }
 
-    /// Where a contact lies on the skin's plane.
+    /// Place of a contact on the skin's plane.
     pub fn place(&self, contact: &Contact) -> PlaceUm {
         let origin = self.origins.get(usize::from(contact.module));
         shifted(contact.place, origin.copied().unwrap_or_default())

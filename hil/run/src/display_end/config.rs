@@ -1,4 +1,4 @@
-//! How the emulated display of a bench is built.
+//! Configuration of a bench's emulated display.
 
 use palpate_core::illusion::DisplayWire;
 use palpate_core::physics::ParameterError;
@@ -31,7 +31,7 @@ pub(super) fn no_bench(bench: &Bench) -> impl Fn(ParameterError) -> Failure {
     move |e| Failure::Input(format!("bench `{}`: {e}", bench.name))
 }
 
-/// How a bench's display is built, with `wires` on a finger.
+/// Configuration of a bench's display with `wires` on a finger.
 pub(super) fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
     let bench = &setup.bench.value;
     let place = |w: &DisplayWire| WirePlace {

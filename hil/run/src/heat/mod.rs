@@ -1,5 +1,5 @@
-//! A Peltier module under the fingertip of an emulated bench: the regulator's turns, what they come to, and what the wires'
-//! guard is told of the face. A driver unit regulates its module by itself.
+//! A Peltier module under the fingertip of an emulated bench: the regulator's turns, their report, and the face's
+//! temperature for the wires' guard. A driver unit regulates its module by itself.
 
 mod remote;
 mod report;
@@ -20,18 +20,18 @@ pub use remote::RemoteHeat;
 pub use report::HeatReport;
 use report::{Account, Seen};
 
-/// Who regulates a module.
+/// Regulation of a Peltier module, by host or unit.
 enum Regulated {
     /// The host itself, by the scene's materials.
     Here(Box<Regulator>, Vec<SceneMaterial>),
-    /// A driver unit; the host asks.
+    /// A driver unit; the host asks for a face.
     ByUnit(Box<RemoteHeat>),
 }
 
-/// An emulated module and what regulates it.
+/// An emulated module and its regulator.
 pub(crate) struct EmulatedHeat {
     module: PeltierHandle,
-    /// What a driver unit would regulate it with.
+    /// Regulator that a driver unit gets for the module.
     regulator: Regulator,
     regulated: Regulated,
     account: Account,
@@ -57,7 +57,7 @@ impl EmulatedHeat {
         })
     }
 
-    /// What a driver unit has of it, where one regulates it.
+    /// Module and regulator that a driver unit works with; `None` where the host regulates.
     pub(crate) fn lent(&self) -> Option<(PeltierHandle, Regulator)> {
         let by_unit = matches!(self.regulated, Regulated::ByUnit(_));
         by_unit.then(|| (self.module.clone(), self.regulator.clone()))
@@ -68,7 +68,7 @@ impl EmulatedHeat {
         self.module.with(|module| module.advance(until));
     }
 
-    /// The module, for what breaks it.
+    /// The module, for faults that break it.
     pub(crate) fn module(&self) -> PeltierHandle {
         self.module.clone()
     }
@@ -78,7 +78,7 @@ impl EmulatedHeat {
         self.module.with(|module| module.state().face_c)
     }
 
-    /// A turn of the regulator, where one is due: what the wires bear, the current, the record.
+    /// Takes a turn of the regulator, where one is due: the wires' heat, the current, the record.
     pub(crate) fn turn(
         &mut self,
         now: Instant,
@@ -100,7 +100,7 @@ impl EmulatedHeat {
             }
             (Regulated::ByUnit(host), Some(unit)) => {
                 let before = host.turns();
-                // Its notes are those of its reports; what is recorded here is the module itself.
+                // The unit's notes tell of its reports; the record here is of the module itself.
                 host.turn(now, unit.driver(), projector, &mut Vec::new());
                 if host.turns() == before {
                     return;
@@ -126,12 +126,12 @@ impl EmulatedHeat {
         }
     }
 
-    /// Nothing flows any more.
+    /// Switches the module off.
     pub(crate) fn off(&mut self) {
         let Ok(()) = self.module.all_off();
     }
 
-    /// What came of it.
+    /// Report of the module so far.
     pub(crate) fn report(&self) -> HeatReport {
         let (peaks, thermostat) = self
             .module
@@ -152,7 +152,7 @@ impl EmulatedHeat {
         report
     }
 
-    /// Its limits and the worst that came of them.
+    /// Margins of the module: each limit and the worst value so far.
     pub(crate) fn margins(&self) -> Vec<Margin> {
         let peaks = self.module.with(|module| *module.peaks());
         let [coldest, warmest] = LIMITS.face_c;

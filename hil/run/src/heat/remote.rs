@@ -1,5 +1,5 @@
-//! A Peltier module that a driver unit regulates: what the host asks of it, what its wires' guard is told, and what the
-//! unit's reports say.
+//! A Peltier module that a driver unit regulates: the host's wishes, the face's temperature for its wires' guard, and
+//! the unit's reports.
 
 use palpate_core::codec::link::{Face, Warmth};
 use palpate_core::driver::UnitDriver;
@@ -13,7 +13,8 @@ use palpate_records::trace::Event;
 
 use super::report::{Account, HeatReport, Seen};
 
-/// What the wires are told of a face, what is wanted of it, and what they leave it.
+/// Tells the wires a face's temperature, and returns the wanted face with the ceiling that the wires leave it. `None`
+/// while the guard is stopped.
 pub(super) fn wanted(
     now: Instant,
     materials: &[SceneMaterial],
@@ -21,7 +22,7 @@ pub(super) fn wanted(
     projector: &mut Projector,
 ) -> Option<Wanted> {
     let face_c = warmth_c(materials, now.as_micros() as f64 * 1e-6);
-    // The wires make room for what is wanted; what they have booked already, the face makes room for.
+    // The wires make room for the wanted face; the face makes room for heat that the wires have booked already.
     let reserved_c = (face_c + UNCERTAINTY_K).min(LIMITS.face_c[1]);
     let bears_c = projector.warm(now, warmest_c, reserved_c);
     let stopped = projector.guard().latched().is_some();
@@ -31,18 +32,18 @@ pub(super) fn wanted(
     })
 }
 
-/// The host's part.
+/// The host's part in heat that a driver unit regulates.
 pub struct RemoteHeat {
     materials: Vec<SceneMaterial>,
     parameters: PeltierParameters,
     account: Account,
-    /// When it turns next.
+    /// Time of the next turn.
     next: Instant,
     /// The unit's report that was taken in last, and when, by the unit's clock.
     newest: Option<(Instant, Face)>,
-    /// What the reports came to.
+    /// Extremes over the unit's reports so far.
     seen: HeatReport,
-    /// A face of a tenth of a second ago and more, for the ramp.
+    /// Time and temperature of a face at least a tenth of a second ago, for the ramp.
     before: Option<(Instant, f64)>,
 }
 
@@ -52,7 +53,7 @@ fn celsius(mc: u16) -> f64 {
 }
 
 impl RemoteHeat {
-    /// Of a setup whose bench has a module.
+    /// The host's part for a setup; `None` where its bench has no module.
     #[must_use]
     pub fn of(setup: &Setup) -> Option<Self> {
         Some(Self {
@@ -77,7 +78,7 @@ impl RemoteHeat {
         })
     }
 
-    /// Does what is due: tells the wires' guard of the face, and the unit what it shall become.
+    /// Takes a turn, where one is due: tells the wires' guard the face's temperature, and the unit the wanted face.
     pub fn turn(
         &mut self,
         now: Instant,
@@ -94,7 +95,7 @@ impl RemoteHeat {
             driver.warm(None);
             return;
         };
-        // What the face may have become since, and a unit without a module.
+        // The face may have warmed since the report. The thermostat bounds it, also for a unit without a module.
         let since_k = LIMITS.ramp_k_s * age.as_secs_f64();
         let warmest_c = (celsius(report.1.warmest_mc) + since_k).min(LIMITS.thermostat_c);
         let wanted = wanted(now, &self.materials, warmest_c, projector);
@@ -145,7 +146,7 @@ impl RemoteHeat {
         self.account.take(now, &turn, events);
     }
 
-    /// What came of it, as the unit's sensors told it.
+    /// Report of the module, by the unit's sensors.
     pub fn report(&self) -> HeatReport {
         let mut report = self.seen;
         self.account.fill(&mut report);
@@ -157,7 +158,7 @@ impl RemoteHeat {
         self.account.turns()
     }
 
-    /// What the unit's newest report says of aim, degrees C, and reason.
+    /// Aim (degrees C) and reason of the unit's newest report.
     pub(super) fn said(&self) -> (Option<f64>, Option<PeltierReason>) {
         let face = self.newest.map_or_else(Face::default, |(_, face)| face);
         ((face.aim_mc > 0).then(|| celsius(face.aim_mc)), face.reason)

@@ -1,4 +1,4 @@
-//! What comes of a Peltier module: its report, and the account of its turns, by the host or by a driver unit.
+//! Report of a Peltier module, and the account of its turns, by the host or by a driver unit.
 
 use palpate_core::peltier::PeltierReason;
 use palpate_core::units::{Duration, Instant};
@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::recorder::milli_c;
 
-/// Between two records of the module.
+/// Time between two records of the module.
 const RECORD: Duration = Duration::from_millis(100);
 
-/// What came of a Peltier module.
+/// Temperatures, turns and stops of a Peltier module in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct HeatReport {
@@ -18,21 +18,21 @@ pub struct HeatReport {
     pub warmest_face_c: f64,
     pub warmest_sink_c: f64,
     pub fastest_ramp_k_s: f64,
-    /// How far the face was from what it was to be, root mean square over all turns that drove it; null for none.
+    /// Root mean square of the face's distance from its aim, over all turns that drove it; null for none.
     pub error_k: Option<f64>,
     pub energy_j: f64,
     /// Turns of the regulator, a hundred a second.
     pub turns: u64,
-    /// Turns in which its guard let less flow than was asked for.
+    /// Turns in which the guard let less current flow than was requested.
     pub held_back: u64,
-    /// Times that a sensor switched it off.
+    /// Times that a sensor switched the module off.
     pub stops: u32,
-    /// Whether the thermostat cut it.
+    /// `true` where the thermostat cut the module.
     pub thermostat: bool,
 }
 
 impl HeatReport {
-    /// In a line.
+    /// Words of the report, in a line.
     #[must_use]
     pub fn words(&self) -> String {
         let error = self
@@ -56,35 +56,35 @@ impl HeatReport {
     }
 }
 
-/// What is known of a module after a turn.
+/// State of a module after a turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
     pub face_c: f64,
     pub sink_c: f64,
     pub milliamps: i32,
-    /// What it aims at; `None` where it aims at nothing.
+    /// Temperature that the module aims at; `None` where it is off.
     pub aim_c: Option<f64>,
-    /// Why the current is not what its control asked for.
+    /// Reason for which the current is not the one that its control asked for.
     pub reason: Option<PeltierReason>,
 }
 
-/// What the turns of a module came to.
+/// Account of a module's turns so far.
 #[derive(Debug, Default)]
 pub(super) struct Account {
-    /// What aims were missed by, K2, and in how many turns.
+    /// Sum of squared distances from the aim, K2, and turns that had an aim.
     missed: (f64, u64),
     turns: u64,
     held_back: u64,
     stops: u32,
-    /// It has aimed at something: what is off from the start is no news.
+    /// `true` once the module had an aim: one that is off from the start is no news.
     driven: bool,
-    /// What is known to be off, and why.
+    /// Reason for which the module was last noted as off.
     told: Option<PeltierReason>,
     recorded: Option<Instant>,
 }
 
 impl Account {
-    /// Takes a turn in: counts it, says once that the module goes off or on again, and records it now and then.
+    /// Takes a turn in: counts it, notes once that the module goes off or on again, and records it now and then.
     pub(super) fn take(&mut self, now: Instant, seen: &Seen, events: &mut Vec<Event>) {
         let t_us = now.as_micros();
         self.turns += 1;
@@ -116,12 +116,12 @@ impl Account {
         }
     }
 
-    /// How many turns there were.
+    /// Turns so far.
     pub(super) const fn turns(&self) -> u64 {
         self.turns
     }
 
-    /// Puts what was counted into a report.
+    /// Puts the counts into a report.
     pub(super) fn fill(&self, report: &mut HeatReport) {
         let (sum, count) = self.missed;
         report.error_k = (count > 0).then(|| (sum / count as f64).sqrt());

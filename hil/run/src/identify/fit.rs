@@ -3,30 +3,30 @@
 // Indices name rows and columns, several arrays of them at once.
 #![allow(clippy::needless_range_loop)]
 
-/// Student's t for 95 % and so many degrees of freedom that it no longer changes.
+/// Student's t for 95 % and many degrees of freedom.
 const T_95: f64 = 1.96;
 /// Step of a difference, as a part of a value or of a hundredth of its range.
 const STEP: f64 = 1e-5;
-/// Change of the sum of squares, as a part of it, that ends a search.
+/// Relative change of the sum of squares that ends a search.
 const DONE: f64 = 1e-7;
 
-/// A trace, and what a model makes of values in their ranges.
+/// A trace, and a model of values in their ranges.
 pub(super) struct Problem<'a> {
     pub(super) model: &'a dyn Fn(&[f64]) -> Option<Vec<f64>>,
     pub(super) trace: &'a [f64],
     pub(super) ranges: &'a [(f64, f64)],
 }
 
-/// Where a search has come to.
+/// Point of a search: the figures' values and the squared error there.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub(super) values: Vec<f64>,
-    /// Sum of the squares of what the model misses.
+    /// Sum of the squares of the model's errors.
     pub(super) squares: f64,
     missed: Vec<f64>,
 }
 
-/// The normal equations at a place: derivatives' products, and their products with what is missed.
+/// The normal equations at a place: products of derivatives, and of derivatives with errors.
 struct Normal {
     products: Vec<Vec<f64>>,
     pull: Vec<f64>,
@@ -67,7 +67,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Goes down from some values, in at most so many steps.
+    /// Descends from some values, in at most `steps` steps.
     pub(super) fn descend(&self, from: Vec<f64>, steps: usize) -> Option<Place> {
         let mut place = self.place(from)?;
         let mut damping = 1e-3;
@@ -104,7 +104,7 @@ impl Problem<'_> {
         };
         let freedom = self.trace.len().saturating_sub(count).max(1) as f64;
         let variance = place.squares / freedom;
-        // What changes the trace by less than its noise from one end of its range to the other is not in it.
+        // A figure that changes the trace by less than its noise over its whole range is not in it.
         let shows = |k: &usize| {
             let span = self.ranges[*k].1 - self.ranges[*k].0;
             normal.products[*k][*k] * span * span > variance
@@ -127,7 +127,7 @@ impl Normal {
     fn step(&self, damping: f64) -> Option<Vec<f64>> {
         let mut damped = self.products.clone();
         for (k, row) in damped.iter_mut().enumerate() {
-            // What has no slope stays where it is.
+            // A figure without slope stays where it is.
             row[k] = if row[k] > 0.0 {
                 row[k] * (1.0 + damping)
             } else {

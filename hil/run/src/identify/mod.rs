@@ -1,4 +1,4 @@
-//! What a trace says about a wire: the figures of the model that make it follow the trace, with intervals.
+//! Identification of a wire from a trace: figures of the model that make it follow the trace, with intervals.
 //!
 //! The model is the emulators' own wire, driven with the trace's current. Least squares by Levenberg and Marquardt; an
 //! interval is that of the linearised fit. Nothing here knows a file.
@@ -9,19 +9,19 @@ use palpate_core::physics::{Play, TissueParameters, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
 
-/// What a trace measures.
+/// Measured quantity of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signal {
     /// The middle of the wire, um, positive towards the finger, from anywhere.
     Displacement,
-    /// Between the terminals, Ohm.
+    /// Resistance between the terminals, Ohm.
     Resistance,
 }
 
 /// A row of a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// When.
+    /// Time of the row, us.
     pub time_us: u64,
     /// The signal, in its unit.
     pub value: f64,
@@ -32,9 +32,9 @@ pub struct Sample {
 /// A wire that a trace was taken of, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Subject {
-    /// The wire; what is looked for starts from its figures.
+    /// The wire; the search starts from its figures.
     pub wire: WireParameters,
-    /// The finger under it.
+    /// The finger under the wire.
     pub tissue: TissueParameters,
     /// Displacement over change of length to start from.
     pub gain: f64,
@@ -45,13 +45,13 @@ pub struct Subject {
 /// A figure that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// What it is.
+    /// Name of the figure.
     pub name: &'static str,
-    /// Its unit; empty for a ratio.
+    /// Unit of the figure; empty for a ratio.
     pub unit: &'static str,
-    /// What the search began with.
+    /// Value that the search began with.
     pub assumed: f64,
-    /// What the trace says; none where it does not depend on the figure.
+    /// Fitted value; `None` where the trace does not depend on the figure.
     pub found: Option<Found>,
 }
 
@@ -64,12 +64,12 @@ pub struct Found {
     pub half: f64,
 }
 
-/// What a trace came to.
+/// Result of an identification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified {
-    /// Every figure that was looked for.
+    /// Every figure that the search looked for.
     pub figures: Vec<Figure>,
-    /// What the model misses, root mean square, in the signal's unit.
+    /// Root mean square of the model's error, in the signal's unit.
     pub rms: f64,
     /// Samples that were fitted.
     pub samples: usize,
@@ -88,10 +88,10 @@ struct Unknown {
 const STRESSES_MPA: [f64; 14] = [
     2.0, 5.0, 8.0, 11.0, 15.0, 19.0, 23.0, 28.0, 34.0, 42.0, 55.0, 75.0, 110.0, 172.0,
 ];
-/// Steps from each of them, and places from which the search goes on.
+/// Steps from each of these stresses, and places from which the search goes on.
 const FIRST_STEPS: usize = 6;
 const PLACES: usize = 3;
-/// Most steps from there.
+/// Most steps from each of these places.
 const STEPS: usize = 40;
 /// Distances at which a lower place is looked for in the end, MPa.
 const NEARBY_MPA: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];

@@ -1,4 +1,4 @@
-//! The head of a session, from what was read and the loop that it became.
+//! The head of a session, from its files and its loop.
 
 use palpate_core::contact::Scope;
 use palpate_core::projector::Projector;
@@ -15,7 +15,7 @@ pub(super) fn pair(point: Point) -> [f32; 2] {
     [point.x, point.y]
 }
 
-/// The modules that a page is shown: those whose contacts are found together with the driving one's.
+/// Modules that a page shows: those whose contacts are found together with the driving one's.
 pub(super) fn shown(setup: &Setup, projector: &Projector) -> Vec<usize> {
     let scene = &setup.scene.value;
     match scene.compression.scope {
@@ -24,7 +24,7 @@ pub(super) fn shown(setup: &Setup, projector: &Projector) -> Vec<usize> {
     }
 }
 
-/// Where a module's own centre lies on the plane that a page shows.
+/// Centre of a module on the plane that a page shows, mm.
 pub(super) fn origin(setup: &Setup, module: &Module) -> [f32; 2] {
     match setup.scene.value.compression.scope {
         Scope::Skin => pair(module.origin()),
@@ -33,7 +33,7 @@ pub(super) fn origin(setup: &Setup, module: &Module) -> [f32; 2] {
 }
 
 impl Head {
-    /// Of a session of a setup.
+    /// Head of a session of a setup.
     #[must_use]
     pub fn new(setup: &Setup, header: &Header, projector: &Projector) -> Self {
         let scene = &setup.scene.value;
@@ -98,7 +98,7 @@ impl Head {
     }
 }
 
-/// A renderer as a scene names it.
+/// Name of a renderer in a scene.
 #[must_use]
 pub const fn style_word(style: Style) -> &'static str {
     match style {
@@ -108,14 +108,14 @@ pub const fn style_word(style: Style) -> &'static str {
     }
 }
 
-/// When the reference has been taken, microseconds.
+/// Time at which the reference has been taken, microseconds.
 fn quiet_us(setup: &Setup) -> u64 {
     let scene = &setup.scene.value;
     let quiet_s = f64::from(scene.reference_frames + 1) / scene.rate_hz;
     (quiet_s * 1e6).ceil() as u64
 }
 
-/// When what the scene itself does is over; 0 where it does nothing.
+/// Time at which the scene itself is over, microseconds; 0 for one without touches, strokes, faults and texture.
 fn scene_us(setup: &Setup) -> u64 {
     let scene = &setup.scene.value;
     let idle = scene.touches.is_empty()

@@ -1,4 +1,4 @@
-//! What a page draws: a head once per session, a picture per step. Lengths in millimetres, times in microseconds.
+//! Data that a page draws: a head once per session, a picture per step. Lengths in millimetres, times in microseconds.
 
 mod head;
 mod painter;
@@ -16,34 +16,34 @@ use serde::Serialize;
 
 use crate::display_end::DisplayEnd;
 
-/// What is wanted of a look at a session, beside what costs nothing: each is a copy for every wire, and then work.
+/// Costly parts of a session's [`State`] to copy: each is a copy for every wire, and then work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wants {
     /// Temperatures, and the share of each limit.
     pub readings: bool,
-    /// What the run came to so far.
+    /// Totals of the run so far.
     pub totals: bool,
 }
 
 impl Wants {
-    /// Everything that no search is needed for.
+    /// All parts that need no search.
     pub const READINGS: Self = Self {
         readings: true,
         totals: false,
     };
 }
 
-/// How things are at one moment, as far as no event says it. What takes time to compute is copied as it is, and computed
-/// where it is read: a loop hands this on to a thread that has the time.
+/// State of a session at one moment, as far as no event tells it. Figures that take time to compute are copied raw and
+/// computed where they are read: a loop hands the state to a thread that has the time.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// The moment.
+    /// Moment of the state.
     pub now: Instant,
-    /// From the skin to the display.
+    /// Map from the skin to the display.
     pub map: Map,
-    /// What the guard holds everything off for.
+    /// Word of the cause for which the guard holds everything off; `None` where it does not.
     pub stopped: Option<&'static str>,
-    /// The newest onset's level over everything that is not measured, dB.
+    /// Least and most level of the newest onset over all corners of what is not measured, dB.
     pub band_db: Option<[f64; 2]>,
     /// The guard and when it was copied; none where its shares are not wanted, or no guard is asked, as of a recording.
     guard: Option<(Guard, Instant)>,
@@ -52,7 +52,7 @@ pub struct State {
 }
 
 impl State {
-    /// Of a recording, that has nothing but events.
+    /// State of a recording, which has events alone.
     pub(crate) const fn recorded(now: Instant, map: Map) -> Self {
         Self {
             now,
@@ -64,7 +64,7 @@ impl State {
         }
     }
 
-    /// What the guard counts as used, where that is wanted.
+    /// Shares of the guard's limits that are used, where they are wanted.
     #[must_use]
     pub fn used(&self) -> Option<Used> {
         self.guard.as_ref().map(|(guard, at)| guard.used(*at))
@@ -76,7 +76,7 @@ impl State {
         wires.map(Standing::warmth_c).unwrap_or_default()
     }
 
-    /// What the run came to so far, where that is wanted and measured.
+    /// Totals of the run so far, where they are wanted and measured.
     fn totals(&self) -> Option<Totals> {
         let totals = self.wires.as_ref()?.totals()?;
         Some(totals.into())
@@ -102,7 +102,7 @@ impl From<DisplayTotals> for Totals {
     }
 }
 
-/// A look at a session between two turns: it changes nothing that the session does.
+/// A look at a session between two turns: the session goes on unchanged.
 #[derive(Debug)]
 pub struct Look<'a, D> {
     pub(crate) display: &'a D,
@@ -111,7 +111,7 @@ pub struct Look<'a, D> {
 }
 
 impl<D: DisplayEnd> Look<'_, D> {
-    /// How things are, with what is wanted.
+    /// Takes the state, with the parts that are wanted.
     pub fn state(&self, wants: Wants) -> State {
         let guard = self.projector.guard();
         State {
@@ -127,7 +127,7 @@ impl<D: DisplayEnd> Look<'_, D> {
     }
 }
 
-/// What stays as it is while a session lasts.
+/// Facts of a session that stay the same while it lasts.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct Head {
@@ -150,9 +150,9 @@ pub struct Head {
     pub period_ns: u64,
     pub pwm_hz: f64,
     pub pitch_mm: f64,
-    /// Before this time the reference is taken: nothing may touch.
+    /// Time before which the reference is taken: nothing may touch.
     pub quiet_us: u64,
-    /// When what the scene itself does is over; 0 where it does nothing.
+    /// Time at which the scene itself is over; 0 for one without touches, strokes, faults and texture.
     pub scene_us: u64,
     pub modules: Vec<ModuleHead>,
     pub drives: usize,
@@ -173,7 +173,7 @@ pub struct Head {
 pub struct ModuleHead {
     pub number: usize,
     pub name: String,
-    /// Where its own centre lies on the skin's plane.
+    /// Centre of the module on the skin's plane.
     pub place_mm: [f32; 2],
     pub taxels_mm: Vec<[f32; 2]>,
 }
@@ -187,7 +187,7 @@ pub struct LimitsC {
     pub deep: f64,
 }
 
-/// What happened since the last picture, and how things are now.
+/// Events since the last picture, and the state now.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct Picture {
@@ -198,11 +198,11 @@ pub struct Picture {
     pub contacts: Vec<Contact>,
     /// Every finger that presses on the driving module, where the display would show it; with its number.
     pub fingers: Vec<(usize, [f32; 2])>,
-    /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
+    /// The scene's own touches on the skin's plane: x, y (mm), force (N), diameter (mm).
     pub spheres: Vec<[f64; 4]>,
     /// Wire and skin under it when they were last looked at, degrees C; NaN (in JSON null) where nothing measures them.
     pub warm: Vec<[f64; 2]>,
-    /// Each limit's share then; empty where no guard is asked.
+    /// Used share of each limit at that look; empty where no guard is asked.
     pub used: Vec<(&'static str, f64)>,
     /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C); none where nothing measures them.
     pub hottest: Option<[f64; 4]>,
@@ -213,7 +213,7 @@ pub struct Picture {
     pub edges: Vec<(f64, usize, bool)>,
     pub felt: Vec<Felt>,
     pub notes: Vec<(u64, &'static str, String)>,
-    /// Whether the guard holds everything off.
+    /// Word of the cause for which the guard holds everything off; null where it does not.
     pub stopped: Option<&'static str>,
     /// Events that were lost because no page looked.
     pub dropped: u64,
@@ -226,7 +226,7 @@ pub struct Contact {
     pub id: u32,
     pub module: u16,
     pub at_mm: [f64; 2],
-    /// Where the display shows it.
+    /// Place on the display, where it shows the contact.
     pub on_mm: Option<[f32; 2]>,
     pub counts: f64,
     pub level: u16,
@@ -239,23 +239,23 @@ pub struct Burst {
     pub at_us: u64,
     pub until_us: u64,
     pub wire: usize,
-    /// Of 4096.
+    /// Width of a pulse, 4096ths of a period.
     pub ticks: u16,
     pub asked: u16,
     pub reason: Option<&'static str>,
 }
 
-/// What was felt of an onset.
+/// Sensation of an onset.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct Felt {
     pub at_us: u64,
     pub target_mm: [f64; 2],
     pub inside: bool,
-    /// None where no wire moved.
+    /// Felt place; null where no wire moved.
     pub at_mm: Option<[f64; 2]>,
     pub level_db: f64,
-    /// Over everything that is not measured.
+    /// Least and most level over all corners of what is not measured, dB.
     pub band_db: Option<[f64; 2]>,
     pub tap: bool,
 }

@@ -1,4 +1,4 @@
-//! From events and a look at a session to pictures.
+//! Painter: pictures from events and a look at a session.
 
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
@@ -8,41 +8,41 @@ use palpate_records::trace::{Driven, Event, Header, PlaceUm, event};
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
 
-/// Temperatures and shares of limits are looked at this often, microseconds: a reader sees no more.
+/// Time between two looks at temperatures and shares of limits, microseconds: a reader sees no more.
 const LOOK_US: u64 = 100_000;
-/// Totals, which only grow, are.
+/// Time between two looks at totals, which only grow, microseconds.
 const TOTALS_US: u64 = 1_000_000;
 /// Pictures of less time than this follow single pulses, microseconds: each has temperatures of its own, and totals come
 /// as often as they are looked at elsewhere.
 const CLOSE_US: u64 = 10_000;
 
-/// Keeps up what pictures need of the events before them.
+/// Keeps facts of past events that later pictures need.
 #[derive(Clone, Debug)]
 pub struct Painter {
     /// Board and channel of each wire.
     outputs: Vec<(u8, u8)>,
     /// Taxels of each module, and whether it is shown.
     modules: Vec<(usize, bool)>,
-    /// What the scene presses with on shown modules, and where these are.
+    /// The scene's touches on shown modules, each with the module's centre, mm.
     touches: Vec<(Touch, [f32; 2])>,
     memory: Memory,
-    /// What the newest looks found: temperatures, shares of limits, totals.
+    /// Results of the newest looks: temperatures, shares of limits, totals.
     warm: Vec<[f64; 2]>,
     used: Vec<(&'static str, f64)>,
     totals: Option<Totals>,
-    /// When they were looked at, temperatures and totals, and the time of the newest picture.
+    /// Times of the newest looks at temperatures and at totals, and of the newest picture.
     looked_us: [Option<u64>; 2],
     shown_us: u64,
 }
 
-/// What it remembers of events.
+/// Facts that a painter remembers of past events.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     contacts: Vec<Contact>,
     frames: u32,
-    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
+    /// Temperatures by events, where nothing else measures them: each wire and the skin under it, degrees C.
     pub(crate) warm: Vec<[f64; 2]>,
-    /// What the wires were told, and the hottest skin that an event told of, thousandths of a degree Celsius.
+    /// Counts of the stimuli, and the hottest skin that an event told of, thousandths of a degree Celsius.
     pub(crate) driven: Driven,
     pub(crate) hottest_mc: Option<i32>,
 }
@@ -51,14 +51,14 @@ fn mm(place: PlaceUm) -> [f64; 2] {
     [f64::from(place.x) / 1e3, f64::from(place.y) / 1e3]
 }
 
-/// In thousandths: a page shows no more, and long texts take time to write and to read. A quotient is the number nearest
-/// to those digits, a product need not be.
+/// Rounds to thousandths: a page shows no more, and long texts take time to write and to read. A quotient is the number
+/// nearest to those digits, a product need not be.
 fn short(value: f64) -> f64 {
     libm::round(value * 1e3) / 1e3
 }
 
 impl Painter {
-    /// Of a session that has not begun.
+    /// A painter for a session that has not begun.
     #[must_use]
     pub fn new(setup: &Setup, header: &Header, projector: &Projector) -> Self {
         let (shown, modules) = (shown(setup, projector), projector.layout().modules());
@@ -90,7 +90,7 @@ impl Painter {
         }
     }
 
-    /// What the state of a picture of this time should have.
+    /// Parts of the state that a picture at this time needs.
     #[must_use]
     pub fn wants(&self, now_us: u64) -> Wants {
         let close = now_us.saturating_sub(self.shown_us) < CLOSE_US;
@@ -103,7 +103,7 @@ impl Painter {
         }
     }
 
-    /// What happened since the last picture, in which nothing was shown.
+    /// Takes in events since the last picture that no picture shows.
     pub fn pass(&mut self, events: &[Event]) {
         for event in events {
             match event {
@@ -137,7 +137,7 @@ impl Painter {
         }
     }
 
-    /// The picture of a moment: what happened since the last one, and the newest readings of all taxels.
+    /// Picture of a moment: events since the last one, and the newest readings of all taxels.
     pub fn picture(&mut self, events: &[Event], counts: &[f32], state: State) -> Picture {
         self.pass(events);
         let now_us = state.now.as_micros();
@@ -174,7 +174,7 @@ impl Painter {
         picture
     }
 
-    /// Keeps what was looked at, for the pictures until the next look.
+    /// Keeps the results of a look, for the pictures until the next one.
     fn keep(&mut self, state: &State) {
         let now_us = state.now.as_micros();
         self.shown_us = now_us;
@@ -206,7 +206,7 @@ impl Painter {
         counts
     }
 
-    /// What the scene presses with: x, y (mm), force (N), diameter (mm).
+    /// The scene's touches at a time: x, y (mm), force (N), diameter (mm).
     fn spheres(&self, now_us: u64) -> Vec<[f64; 4]> {
         let t_s = now_us as f64 * 1e-6;
         let sphere = |(touch, [x, y]): &(Touch, [f32; 2])| {
@@ -221,7 +221,7 @@ impl Painter {
         self.outputs.iter().position(|w| *w == (board, channel))
     }
 
-    /// Adds what happened.
+    /// Adds an event to a picture.
     fn add(&self, event: &Event, band_db: Option<[f64; 2]>, picture: &mut Picture) {
         match event {
             Event::Schedule(entry) => {

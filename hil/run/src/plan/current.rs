@@ -10,10 +10,11 @@ use palpate_files::Bench;
 
 use super::{boards, milliamps};
 
-/// One current written, read back, and read once more by a look at all boards, at 400 kbit/s: 38, 48 and 48 bits.
+/// Bus time of one current at 400 kbit/s: written, read back, and read once more by a look at all boards: 38, 48 and 48
+/// bits.
 const EACH: Duration = Duration::from_micros(335);
 
-/// What the guard is told of them; `None` where the amplifiers have one current.
+/// Tolerances of the amplifiers' set currents, for the guard; `None` where the amplifiers have one current.
 pub(super) fn control(bench: &Bench) -> Option<CurrentControl> {
     let dac = bench.dac.as_ref()?;
     Some(CurrentControl {
@@ -23,18 +24,19 @@ pub(super) fn control(bench: &Bench) -> Option<CurrentControl> {
     })
 }
 
-/// How long they may hold up a board that is to be switched off.
+/// Longest time for which writes of currents hold up a board that is to be switched off.
 pub(super) fn wait(bench: &Bench) -> Duration {
     let wires = bench.dac.as_ref().map_or(0, |_| bench.outputs.len());
     Duration::from_micros(current_wait(wires))
 }
 
-/// How long the currents of so many wires may take a bus, microseconds: each written, read back and looked at.
+/// Longest time for which the currents of `wires` wires take a bus, microseconds: each written, read back and looked
+/// at.
 pub(crate) const fn current_wait(wires: usize) -> u64 {
     EACH.as_micros() * wires as u64
 }
 
-/// How width and current share a level: pulses that the limits bear are no shorter than the bench says.
+/// Split of a level into width and current: pulses that the limits bear are no shorter than the bench says.
 pub(super) fn share(bench: &Bench, guard: &Guard, peak: Milliamps) -> Share {
     let Some(dac) = &bench.dac else {
         return Share::width(peak);
@@ -60,7 +62,7 @@ pub fn with_converters<I: I2c>(bench: &Bench, banks: Banks<I>) -> Banks<I> {
     }
 }
 
-/// What a driver unit with a bench's boards is told of their converters.
+/// Converters of a bench's boards, as a driver unit is told of them.
 pub fn converters(bench: &Bench) -> Option<Converters<'_>> {
     let addresses = bench.dac.as_ref().map(|dac| &*dac.addresses)?;
     control(bench).map(|control| Converters { addresses, control })

@@ -15,7 +15,7 @@ use super::{level, point};
 use crate::failure::Failure;
 use palpate_files::Setup;
 
-/// Power, W, of a contact that moves on: pulses are so many that they can carry it. Half the fingertip's for a minute.
+/// Power of a moving contact, W, that the number of pulses must be able to carry: half the fingertip's for a minute.
 pub(crate) const MOVING_W: f64 = 0.03;
 /// The widest pulse that the limits let pass at the nominal oscillator, s.
 const WIDEST_S: f64 = 184e-6;
@@ -43,7 +43,7 @@ const fn key(error: IllusionError) -> &'static str {
     }
 }
 
-/// Activation to duty.
+/// Curve from activation to duty.
 pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
     Drive {
         alpha: illusion.alpha as f32,
@@ -63,7 +63,7 @@ pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
 /// A scene's strokes, planned for a display.
 fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Planned]>, Failure> {
     let scene = &setup.scene;
-    // What other displays' transfers may take of a burst, the guard counts as time on.
+    // Time that other displays' transfers may take of a burst counts as time on.
     let longest = LONGEST
         .as_micros()
         .saturating_sub(setup.bus_wait.as_micros());
@@ -139,7 +139,7 @@ pub(super) fn pattern(setup: &Setup) -> Result<Option<Pattern>, Failure> {
         })
 }
 
-/// What the law that chooses its pulses is told.
+/// Settings of the law that chooses its pulses by itself.
 fn render(
     setup: &Setup,
     display: &Display,
@@ -163,7 +163,7 @@ fn render(
     Ok(settings)
 }
 
-/// How stimuli are made.
+/// Settings of the output: how stimuli are made.
 pub(super) fn output(
     setup: &Setup,
     display: &Display,

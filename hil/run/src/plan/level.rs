@@ -1,4 +1,4 @@
-//! The level at which a contact shall be felt, against what the limits leave one wire.
+//! The level at which a contact shall be felt, against the level that the limits leave one wire.
 
 use palpate_core::guard::Guard;
 use palpate_core::projector::Projector;
@@ -14,7 +14,7 @@ pub(crate) fn decibels(part: f32) -> f64 {
     20.0 * libm::log10(f64::from(part))
 }
 
-/// Sets full level to what the scene asks for. Of `settings`, full level is the wearer's threshold.
+/// Sets full level to the one that the scene asks for. `settings` come with full level at the wearer's threshold.
 ///
 /// # Errors
 /// A wearer who feels nothing of one wire at the limits, and a level that it never has.
@@ -60,8 +60,8 @@ pub(super) fn ask(
     Ok(())
 }
 
-/// How far the emulated person is over threshold where one wire has the widest pulses that the guard passes, dB, in bursts
-/// as the loop times them.
+/// Level of the emulated person over threshold where one wire has the widest pulses that the guard passes, dB, in
+/// bursts as the loop times them.
 ///
 /// # Errors
 /// [`Failure::Input`] for a wire or person that cannot be.

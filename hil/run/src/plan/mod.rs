@@ -1,4 +1,4 @@
-//! From checked files to the core's own types.
+//! Conversion of checked files to the core's own types.
 
 mod current;
 mod illusion;
@@ -261,7 +261,7 @@ fn view(setup: &Setup, skin: Rect, display: Rect) -> Result<View, Failure> {
     })
 }
 
-/// What a rectangle inside the skin would be, and which edge of this one lies how far outside.
+/// Words of the rectangle inside the skin, and of the edge of `stated` that lies furthest outside.
 fn beyond(skin: Rect, stated: Rect) -> String {
     let edges = [
         ("left", skin.min.x - stated.min.x),
@@ -286,10 +286,10 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     plan_with(setup, seed, levels, &Responses::default())
 }
 
-/// The same with what other loops have found already.
+/// Plans with the responses that other loops have found already.
 ///
 /// # Errors
-/// As [`plan`].
+/// Errors of [`plan`].
 pub fn plan_with(
     setup: &Setup,
     seed: u64,
@@ -319,10 +319,10 @@ fn guarded(setup: &Setup, pattern: Option<Prescale>) -> Result<(Limits, Plant), 
     Ok((limits.tightened().of_hand(1), plant))
 }
 
-/// The same without the scene's texture: for a pass that looks at contacts only.
+/// Plans without the scene's texture: for a pass that looks at contacts only.
 ///
 /// # Errors
-/// As [`plan`].
+/// Errors of [`plan`].
 pub fn untextured(
     setup: &Setup,
     seed: u64,
@@ -339,7 +339,7 @@ pub fn untextured(
     let own = guarded(setup, pattern.map(|p| p.prescale()))?;
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
     let control = unit::agreed_current(setup, current::control(bench))?;
-    // Where it is set, a unit's largest counts for heat and never is asked for.
+    // Where current is set, a unit's largest current counts for heat and is never requested.
     let peak = control.map_or(plant.peak, |control| control.full_scale);
     let prescale = plant.prescale;
     let mut guard = Guard::new(limits, plant, display.wires())

@@ -1,4 +1,4 @@
-//! The emulated person as the emulators take it, and the one whom the loop is told of.
+//! The emulated person for the emulators, and the person whom the loop believes in.
 
 use palpate_emulators::person::channels::Person;
 
@@ -13,7 +13,7 @@ pub const fn person(file: &PersonFile) -> Person {
     }
 }
 
-/// Whom the loop takes its wearer for: never the emulated person.
+/// Person whom the loop takes its wearer for: never the emulated one.
 pub(super) fn believed(setup: &Setup) -> Result<Person, FileError> {
     let typical = person(&load_person("typical")?.value);
     let wearer = setup.wearer.as_ref().map(|wearer| &wearer.value);

@@ -1,4 +1,5 @@
-//! How long a wire and a person take to answer the first pulse: the last two parts of the way from a touch to what is felt.
+//! Times that a wire and a person take to answer the first pulse: the last two parts of the way from a touch to its
+//! sensation.
 
 use palpate_core::projector::Projector;
 use palpate_emulators::display::solver::stretch::Stretch;
@@ -12,19 +13,19 @@ use crate::failure::Failure;
 
 /// Bursts before the one that counts: wire and tissue have got warm.
 const BEFORE: u64 = 8;
-/// Times are told to this, s.
+/// Resolution of the times, s.
 const STEP_S: f64 = 0.1e-3;
 
-/// From the first current of a burst at full drive, alone on one wire.
+/// Times from the first current of a burst at full drive, alone on one wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction {
-    /// Until the tissue has moved half as far as that burst moves it at most, s.
+    /// Time until the tissue has moved half as far as that burst moves it at most, s.
     pub moved_s: f64,
-    /// Until the person's level reaches 0 dB, s; `None` where that burst is not felt.
+    /// Time until the person's level reaches 0 dB, s; `None` where that burst is not felt.
     pub felt_s: Option<f64>,
 }
 
-/// A stretch in pieces of at most [`STEP_S`]: the same motion.
+/// Splits a stretch into pieces of at most [`STEP_S`] with the same motion.
 fn pieces(whole: &Stretch) -> Vec<Stretch> {
     let count = libm::ceil(whole.seconds / STEP_S).max(1.0);
     let seconds = whole.seconds / count;
@@ -41,7 +42,7 @@ fn pieces(whole: &Stretch) -> Vec<Stretch> {
     all
 }
 
-/// How far a stretch moves the tissue, um.
+/// Movement of the tissue in a stretch, um.
 fn moves(stretch: &Stretch) -> f64 {
     let by_rate = stretch.slopes.iter().zip(stretch.rates);
     let kelvins = by_rate.map(|(slope, rate)| match rate * stretch.seconds {
@@ -75,7 +76,7 @@ pub fn reaction(setup: &Setup, projector: &Projector) -> Result<Reaction, Failur
         wire.take_stretches(end, |stretch| all.extend(pieces(stretch)));
         all
     };
-    // The person has felt none of these: what echoes of them is not an answer to the next.
+    // The person has felt none of these: their echo is no answer to the next.
     for n in 0..BEFORE {
         burst(n);
     }

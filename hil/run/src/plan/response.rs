@@ -1,4 +1,4 @@
-//! What a wire makes of a pulse, by its width: the model of a run's own wire, felt by the model of a run's own person.
+//! Response of a wire to a pulse, by its width: the model of a run's own wire, felt by the model of a run's own person.
 
 use std::cell::RefCell;
 
@@ -14,7 +14,7 @@ use palpate_files::Setup;
 
 use crate::failure::Failure;
 
-/// So many widths are computed; between two of them the amplitude is taken to be straight.
+/// Widths that are computed; between two of them the amplitude is taken to be straight.
 const SAMPLES: u16 = 12;
 /// Bursts before the ones that count: wire and tissue have got warm. A loose wire moves up to ten times as far at the same
 /// pulse while its mean temperature still rises and takes up the play, so no table by width alone is right at every burst. Of
@@ -33,7 +33,7 @@ pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
     Ok(alone)
 }
 
-/// What a wire makes of a pulse, and what a wearer feels of it.
+/// Response of a wire to a pulse, and the threshold of its wearer.
 #[derive(Clone)]
 pub(super) struct FeltResponse {
     /// Amplitudes by width: the root of the filtered energy per pulse, of bursts that come again and again.
@@ -42,7 +42,7 @@ pub(super) struct FeltResponse {
     pub threshold: f32,
 }
 
-/// All that a response follows from.
+/// Inputs of a response.
 #[derive(PartialEq)]
 struct Question {
     wire: WireParameters,
@@ -117,7 +117,7 @@ pub(crate) struct Bursts {
 }
 
 impl Bursts {
-    /// Of a setup's wire and current on this person.
+    /// Bursts of a setup's wire and current on `person`.
     pub fn new(setup: &Setup, person: Person) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         let perceiver = Perceiver::new(person, &[(0.0, 0.0)])
@@ -129,7 +129,7 @@ impl Bursts {
         })
     }
 
-    /// What is felt of each of two bursts of so many pulses of this width, once wire and tissue have got warm.
+    /// Sensations of two bursts of `pulses` pulses of this width, once wire and tissue have got warm.
     pub fn felt(
         &self,
         width: Ticks,

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use palpate_files::{FileError, Setup};
 use palpate_files::{TextureModel, taxel};
 
-/// A texture as the emulators take it.
+/// A texture's surface for the emulators.
 pub fn surface(
     entry: &palpate_files::TextureEntry,
 ) -> palpate_emulators::sensor::surface::SurfaceTexture {
@@ -42,7 +42,7 @@ fn features(model: &TextureModel, taxels: usize) -> Result<Box<[(u32, u8)]>, Str
     all.collect::<Option<_>>().ok_or_else(expected)
 }
 
-/// What is wrong with a key of the texture, where it stands in the scene.
+/// Error for a key of the texture, with its place in the scene.
 fn bad(setup: &Setup, key: &str, expected: String) -> FileError {
     let key = format!("{}{key}", setup.section);
     setup.scene.source.bad(&key, expected)
@@ -86,7 +86,7 @@ pub(super) fn texture(
     }))
 }
 
-/// From a latent vector to the display: what the scene's texture section makes of a model's driving coordinates.
+/// Projection of a latent vector onto the display, by the scene's texture section and a model's driving coordinates.
 ///
 /// # Errors
 /// [`Failure::File`] for a scene without a texture, or with file and key of what does not fit together.

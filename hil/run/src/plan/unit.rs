@@ -1,4 +1,4 @@
-//! What host and driver unit make of each other: the stricter of both, in every row.
+//! Agreement of host and driver unit: the stricter of both, in every row.
 
 use palpate_core::guard::{CurrentControl, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
@@ -29,7 +29,7 @@ const LIMITS: [(&str, &str); 15] = [
     ("supply", "mA"),
 ];
 
-/// What the loop plays by: the bench's own where no unit was met.
+/// Limits and plant of the loop: the stricter of bench and unit; the bench's own where no unit was met.
 ///
 /// # Errors
 /// [`Failure::Input`] where the unit's chips count another period, or it lacks an output that the display needs.
@@ -63,7 +63,7 @@ pub(super) fn agreed(
     Ok((limits.stricter(&unit.limits), plant.worse(&unit.plant)))
 }
 
-/// What host and unit make of amplifiers whose current is set: the wider tolerance.
+/// Control of currents that host and unit agree on: the wider tolerance.
 ///
 /// # Errors
 /// [`Failure::Input`] where the unit sets none, or of another full scale; or where it has no Peltier module and the bench does.
@@ -94,7 +94,7 @@ pub(super) fn agreed_current(
     }
 }
 
-/// Where host and unit differ, a sentence each: what is played by is the stricter.
+/// Differences of host and unit, a sentence each: the run goes by the stricter.
 ///
 /// # Errors
 /// [`Failure::Input`] for a bench that no guard can have.
@@ -127,7 +127,7 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
             ));
         }
     };
-    // A limit is kept by both guards; what a guard is told of its hardware it expects the worst of.
+    // Both guards keep a limit, so the lower value counts. Of its hardware a guard expects the worst.
     let lowest = "The lower counts: both guards must let a stimulus pass.";
     let highest = "The higher counts: a guard expects what heats more.";
     if let Some((own, there)) = current::control(&setup.bench.value).zip(unit.current) {

@@ -1,4 +1,4 @@
-//! Going through a recording: to the next moment, or to any other one.
+//! Player of a recording: to the next moment, or to any other one.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -13,43 +13,44 @@ use super::{Recorded, WARM_US};
 use crate::failure::Failure;
 use crate::picture::{Painter, Picture, State};
 
-/// What a page's plots reach back, microseconds: bursts, single pulses and felt places.
+/// Time before a moment that a page's plots show, microseconds: bursts, single pulses and felt places.
 const BURSTS_US: u64 = 4_000_000;
 const EDGES_US: u64 = 300_000;
 const FELT_US: u64 = 400_000;
-/// Between two temperatures of the past.
+/// Time between two temperatures of the past.
 const WARM_EVERY_US: u64 = 100_000;
-/// A later moment is gone on to when it is no further away, else begun anew: what lies between would be seen by no eye.
+/// Longest way to a later moment that is played on; for a longer one the player begins anew, since no eye would see
+/// what lies between.
 const STEP_US: u64 = 2_000_000;
-/// Notes of the past that are told, the newest.
+/// Notes of the past that are shown, the newest.
 const NOTES: usize = 60;
 
-/// What a page's plots show of the time before a moment.
+/// Data of a page's plots for the time before a moment.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Past {
-    /// From when on it is known, microseconds.
+    /// Time from which the past is known, microseconds.
     pub from_us: u64,
     /// The skin under each wire, degrees C, ten times per second.
     pub warm: Vec<(u64, Vec<f64>)>,
 }
 
-/// What a page is shown of a moment.
+/// A moment of a recording, for a page.
 #[derive(Clone, Debug, Serialize)]
 pub struct Moment {
-    /// What happened since the last one, and how things are.
+    /// Events since the last moment, and the state now.
     pub picture: Picture,
-    /// Where nothing that was shown before goes on: what the plots begin with.
+    /// Past of the plots, where the page begins anew; null where it goes on.
     pub past: Option<Past>,
-    /// What the run came to so far, as far as its events say it.
+    /// Totals of the run so far, as far as its events tell them.
     pub totals: SoFar,
 }
 
-/// What a recorded run came to so far.
+/// Totals of a recorded run so far.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct SoFar {
     /// Stimuli with a pulse.
     pub stimuli: u64,
-    /// Of how many the guard applied something other than what was requested.
+    /// Stimuli of which the guard applied something other than was requested.
     pub limited: u32,
     /// The hottest that the skin was at a stimulus, degrees C; none where nothing measured it.
     pub hottest_c: Option<f64>,
@@ -65,13 +66,13 @@ pub struct Player<R, F> {
     painter: Painter,
     /// The newest reading of every taxel; empty before the first.
     counts: Vec<f32>,
-    /// Read, and later than the moment that is shown.
+    /// Message that was read and is later than the shown moment.
     ahead: Option<Told>,
     now_us: u64,
 }
 
 impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
-    /// Of a recording that `open` gives from any byte on.
+    /// A player of a recording that `open` gives from any byte on.
     pub fn new(recorded: Arc<Recorded>, open: F) -> Self {
         Self {
             painter: recorded.painter.clone(),
@@ -105,7 +106,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         }
         self.now_us = at_us;
         let state = State::recorded(Instant::from_micros(at_us), self.recorded.map);
-        // What a seek shows was passed already.
+        // A seek shows events that the painter has passed already.
         let passed = past.is_some().then(|| self.painter.memory().clone());
         let picture = self.painter.picture(&events, &self.counts, state);
         passed.iter().for_each(|memory| self.painter.recall(memory));
@@ -122,7 +123,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         })
     }
 
-    /// Whether the file is still the one that was read through: nothing is wrong with it that was not wrong then.
+    /// Checks that the file is still the one that was read through: it has no damage that it did not have then.
     fn is_the_same(&self) -> Result<(), FileError> {
         let damages = self
             .reader
@@ -142,7 +143,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         })
     }
 
-    /// Goes to the mark before a moment's past and on to the moment. What is to be shown of the way goes to `shown`.
+    /// Goes to the mark before a moment's past and on to the moment. Events on the way that a page shows go to `shown`.
     fn seek(&mut self, at_us: u64, shown: &mut Vec<Event>) -> Result<Past, Failure> {
         let recorded = Arc::clone(&self.recorded);
         let Some(mark) = recorded.mark(at_us).or_else(|| recorded.marks.first()) else {
@@ -191,7 +192,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
                 shown.push(event);
             }
         })?;
-        // Of what is kept however old it is the newest are told.
+        // Of events that are kept at any age, the newest are shown.
         let is_old = |event: &Event| match event {
             Event::Schedule(entry) => entry.until.as_micros() + BURSTS_US < at_us,
             Event::Note(_) => true,
@@ -206,7 +207,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         Ok(past)
     }
 
-    /// Reads on to a moment; what happened goes to `each`.
+    /// Reads on to a moment; events go to `each`.
     fn until(
         &mut self,
         at_us: u64,

@@ -1,5 +1,5 @@
-//! The pass that counts: a session per finger, turn by turn. The only display of a bench is a finger, too. No session knows of
-//! another; what several share, skin, boards, buses and supply, is shared out before the run begins.
+//! The pass that counts: a session per finger, turn by turn. The only display of a bench is a finger, too. No session
+//! knows of another; skin, boards, buses and supply that several share are shared out before the run begins.
 
 use std::cell::RefCell;
 use std::slice;
@@ -36,14 +36,14 @@ use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView, margins
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger<'a> {
-    /// The run that it would be alone.
+    /// The run that the finger would be alone.
     run: Run<'a>,
     place: Place,
     session: Session<Box<dyn SkinEnd + 'a>, EmulatedDisplay>,
     header: Header,
     pieces: Pieces,
     ended: bool,
-    /// The joint that it depends on, and whether it was felt in the last turn.
+    /// The joint that shows or hides the finger's skin, and whether it was shown in the last turn.
     gate: Option<(Gate, bool)>,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Finger<'a> {
         recorder.joints.clone_from(&setup.scene.value.joints);
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = setup.scene.value.drives;
-        // A piece says of no finger whose it is.
+        // A piece names no finger.
         let streams = keep.summary && host.records() && place.name.is_none();
         recorder.handed = streams.then(Vec::new);
         recorder.taxels = (streams && keep.readings == KeptReadings::All)
@@ -81,7 +81,7 @@ impl<'a> Finger<'a> {
             display.compare(setup, &header, true)?;
         }
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        // Of a stream's frames the wait for their readings would be timed as well.
+        // The frames of a stream would be timed with the wait for their readings.
         let watch = host.stopwatch().filter(|_| !run.waits);
         let mut session = Session::new(projector, (skin, display), policy, recorder, watch);
         session.thin_costs(keep.summary);
@@ -110,21 +110,21 @@ impl<'a> Finger<'a> {
         Ok(())
     }
 
-    /// When its next turn is due. A host waits for an adapter that is still busy with other fingers' transfers: what it
-    /// wrote later it must not believe to be written now. Looked at when a turn is there, not before.
+    /// Time of the next turn. A host waits while its adapter is busy with other fingers' transfers, else it would take
+    /// a late write for one in time. The adapter is looked at only once a turn is due.
     fn due(&mut self, now: Instant) -> Instant {
         let next = self.session.next();
         if self.place.alone || next > now {
             return next;
         }
         let busy = self.session.display().hardware().bus_now();
-        // What the guard counts with.
+        // The guard counts with this wait.
         let wait_us = self.run.setup.bus_wait.as_micros();
         let waits_us = busy.0.div_ceil(1000).saturating_sub(wait_us);
         next.max(Instant::from_micros(waits_us))
     }
 
-    /// Takes a turn, if one is due. What ends the finger ends no other one.
+    /// Takes a turn, if one is due. A cause that ends the finger ends no other one.
     fn turn(&mut self, now: Instant, host: &mut dyn Host) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
@@ -141,7 +141,7 @@ impl<'a> Finger<'a> {
         Ok(())
     }
 
-    /// Hands what happened to a host that records.
+    /// Hands events to a host that records.
     fn hand_on(&mut self, end: bool, host: &mut dyn Host) -> Result<(), Failure> {
         let piece = self.pieces.take(&mut self.session, end);
         piece.map_or(Ok(()), |piece| host.record(piece))
@@ -327,7 +327,7 @@ impl Run<'_> {
             let own = plan::boards(&setup.bench.value);
             let of_boards = |t: &&Transfer| t.bus == place.bus && own.contains(&t.address);
             outcome.i2c = common.i2c.iter().filter(of_boards).cloned().collect();
-            // The whole scene's faults say what may be missing; the person is the finger's.
+            // The whole scene's faults tell what may be missing; the person is the finger's.
             let mut judged = self.setup.clone();
             judged.person.clone_from(&setup.person);
             parts.push(Part {
@@ -372,7 +372,8 @@ impl Run<'_> {
                 fingers.for_each(|f| f.session.set_failure(failed()));
                 return Ok(now);
             }
-            // What waits longest comes first: tries to bring a board back must not hold up the end of a burst.
+            // The finger that waits longest comes first: tries to bring a board back must not hold up the end of a
+            // burst.
             order.sort_unstable_by_key(|number| (fingers[*number].session.next(), *number));
             let mut is_stopped = false;
             for &number in &order {

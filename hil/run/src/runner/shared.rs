@@ -35,8 +35,8 @@ pub(super) struct Shared<'a> {
     /// The skin's faults.
     script: Script,
     pub(super) events: Vec<Event>,
-    /// When the skin is read next, at times that no finger sets: each then finds what it would find alone. Onsets between two
-    /// of these times, of the second finger on a board, go by readings of the earlier one.
+    /// Time of the next reading of the skin. No finger sets these times, so each finds what it would find alone. Onsets
+    /// between two of them, of the second finger on a board, go by readings of the earlier one.
     pub(super) due: Instant,
     /// Place of every finger, and the scans of its modules that wait for it.
     pads: Vec<(Place, Vec<Held>)>,
@@ -60,7 +60,7 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// Reads the skin, if that is due, and then does what faults are due.
+    /// Reads the skin, if that is due, and then does the faults that are due.
     pub(super) fn turn(&mut self, now: Instant) -> Result<(), Failure> {
         if now < self.due {
             return Ok(());
@@ -128,7 +128,7 @@ pub(super) struct Pads<'a, 'b> {
 }
 
 impl<'a, 'b> Pads<'a, 'b> {
-    /// The modules of a finger, which is told by its number.
+    /// The modules of the finger of this number.
     pub(super) fn new(shared: &'a RefCell<Shared<'b>>, finger: usize) -> Self {
         let modules = shared.borrow().pads[finger].0.modules.len();
         Self {

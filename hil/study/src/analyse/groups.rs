@@ -1,4 +1,4 @@
-//! Groups of numbers: middles, intervals by bootstrap, and whether two of them differ.
+//! Statistics of groups: medians, intervals by bootstrap, and differences between two of them.
 
 use palpate_core::random::RandomStream;
 use palpate_core::statistics::{median, quantile};
@@ -14,7 +14,7 @@ const DRAWS: usize = 2000;
 /// Two groups of people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// What is compared.
+    /// Name of the compared value.
     pub of: String,
     /// The first condition.
     pub first: String,
@@ -22,13 +22,13 @@ pub struct Comparison {
     pub second: String,
     /// Values of the first, one per person, and of the second.
     pub counts: [usize; 2],
-    /// Medians of both.
+    /// Medians of both groups.
     pub medians: [f64; 2],
-    /// Mann and Whitney's U of the second.
+    /// Mann and Whitney's U of the second group.
     pub u: f64,
     /// Probability of a difference at least as large if there is none.
     pub p: f64,
-    /// The least that it could have been with so many people.
+    /// Least value that `p` can have with so many people.
     pub least_p: f64,
     /// Rank-biserial correlation, 2 U / (n m) - 1: 1 where all of the second are larger.
     pub effect: Estimate,
@@ -37,7 +37,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Why it says nothing, whatever was rated; none where there are people enough.
+    /// Reason for which the comparison tells nothing, whatever was rated; `None` where there are people enough.
     #[must_use]
     pub fn says_nothing(&self) -> Option<String> {
         let [first, second] = self.counts;
@@ -45,7 +45,7 @@ impl Comparison {
     }
 }
 
-/// Why so many people say nothing; none where some outcome would.
+/// Reason for which so many people tell nothing; `None` where some outcome would.
 pub(super) fn too_few(people: &str, least_p: f64) -> Option<String> {
     (least_p >= LEVEL).then(|| {
         format!("{people} say nothing: no answers of so few differ at p below {least_p:.2}")
@@ -151,7 +151,7 @@ pub fn proportion(yes: u64, all: u64) -> Option<Estimate> {
     })
 }
 
-/// Probability of so uneven a number of yes among so many, or a more uneven one, where yes and no are as likely.
+/// Probability of so uneven a number of yes among `all` answers, or a more uneven one, where yes and no are as likely.
 #[must_use]
 pub fn sign_test(yes: u64, all: u64) -> f64 {
     let few = yes.min(all.saturating_sub(yes));
@@ -188,7 +188,7 @@ mod tests {
         assert!(compared("x", ("a", "b"), [&a, &[]]).is_none());
     }
 
-    /// Of samples from a known distribution the interval of the mean holds the truth about as often as it says.
+    /// The interval of the mean of samples from a known distribution holds the truth about as often as it says.
     #[test]
     fn intervals_hold_the_truth() {
         let mut random = RandomStream::new(3, "coverage");

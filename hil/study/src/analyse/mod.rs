@@ -1,4 +1,4 @@
-//! What the answers of a study say: a pure function of its records.
+//! Analysis of a study's answers: a pure function of its records.
 
 mod groups;
 mod paths;
@@ -20,14 +20,14 @@ use crate::quest::Estimate;
 use crate::record::{Record, RecordError};
 use crate::session::Answer;
 
-/// Everything that a study's records say.
+/// Results of a study's records.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analysis {
     /// Name of the protocol.
     pub protocol: String,
-    /// Whether simulated people answered.
+    /// `true` where simulated people answered.
     pub simulated: bool,
-    /// Who took part.
+    /// Participants, a record each.
     pub participants: Vec<Participant>,
     /// Ratings of each condition over all people, one value per person.
     pub ratings: Vec<Rated>,
@@ -35,26 +35,26 @@ pub struct Analysis {
     pub comparisons: Vec<Comparison>,
     /// Drawings by condition, over all people.
     pub drawings: Vec<Drawn>,
-    /// Which of two, over all people.
+    /// Choices between two conditions, over all people.
     pub choices: Vec<Chosen>,
-    /// How often a wire was taken for another: of each wire that was played, answers by the wire nearest to them.
+    /// Confusion of wires: for each wire that was played, the number of answers by the wire nearest to them.
     pub confusion: Vec<Vec<u32>>,
-    /// Median distance between a wire and where it was felt, mm.
+    /// Median distance of a felt place from its wire, mm.
     pub localisation_mm: Option<Estimate>,
 }
 
-/// One of them.
+/// A participant's results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Participant {
-    /// Their number.
+    /// Number of the participant.
     pub number: u32,
-    /// Whether every trial was answered.
+    /// `true` where every trial was answered.
     pub complete: bool,
     /// Trials that counted.
     pub trials: usize,
     /// Trials that were void and repeated.
     pub void: usize,
-    /// Least level that is felt of each wire.
+    /// Least level of each wire that is felt.
     pub thresholds: Vec<OfWire>,
     /// Least difference that is felt on each wire, a part of the amplitude.
     pub differences: Vec<OfWire>,
@@ -62,14 +62,14 @@ pub struct Participant {
     pub matches: Vec<OfWire>,
     /// Answers to the questions.
     pub answers: Vec<(String, String)>,
-    /// Every drawing.
+    /// Every drawing of the participant.
     pub drawings: Vec<OneDrawing>,
 }
 
-/// A wire's estimate, dB, and what it was made from.
+/// Estimate for a wire, dB, and its levels and answers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OfWire {
-    /// From zero.
+    /// Index of the wire, from zero.
     pub wire: u16,
     /// The estimate.
     pub estimate: Estimate,
@@ -82,26 +82,26 @@ pub struct OfWire {
 pub struct OneDrawing {
     /// Number of its trial.
     pub trial: u32,
-    /// What was played.
+    /// Condition that was played.
     pub condition: String,
-    /// How it differs.
+    /// Difference of the drawing from the path.
     pub error: PathError,
     /// The path that was played: seconds, mm.
     pub path: Vec<[f64; 3]>,
-    /// What was drawn, mm; between strokes are breaks.
+    /// Points of each stroke, mm; a break lies between two strokes.
     pub strokes: Vec<Vec<[f64; 2]>>,
 }
 
 /// Drawings of a condition over all people: medians of each person's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawn {
-    /// What was played.
+    /// Condition that was played.
     pub condition: String,
-    /// Drawings.
+    /// Number of drawings.
     pub drawings: usize,
-    /// Of [`PathError::rmse_mm`].
+    /// Median over people of [`PathError::rmse_mm`], mm.
     pub rmse_mm: Option<Estimate>,
-    /// Of [`PathError::frechet_mm`].
+    /// Median over people of [`PathError::frechet_mm`], mm.
     pub frechet_mm: Option<Estimate>,
     /// Mean of breaks marked per drawing.
     pub breaks: f64,
@@ -112,31 +112,31 @@ pub struct Drawn {
 pub struct Rated {
     /// The scale.
     pub scale: String,
-    /// What was rated.
+    /// Condition that was rated.
     pub condition: String,
     /// Each person's mean, sorted.
     pub values: Vec<f64>,
-    /// Their median.
+    /// Median of the values.
     pub median: Option<Estimate>,
 }
 
-/// Which of two.
+/// Choices between the two conditions of a pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
     /// The pair.
     pub pair: [String; 2],
-    /// How often its second was chosen, of all people's answers.
+    /// Share of all people's answers that chose the second one.
     pub part: Option<Estimate>,
     /// People who chose the second more often, people who chose the first more often.
     pub people: [u64; 2],
     /// Probability of so uneven a number of people where they have no preference (sign test).
     pub p: f64,
-    /// The least that it could have been with so many people.
+    /// Least value that `p` can have with so many people.
     pub least_p: f64,
 }
 
 impl Chosen {
-    /// Why it says nothing, whatever was chosen; none where there are people enough.
+    /// Reason for which the pair tells nothing, whatever was chosen; `None` where there are people enough.
     #[must_use]
     pub fn says_nothing(&self) -> Option<String> {
         let people: u64 = self.people.iter().sum();
@@ -145,8 +145,8 @@ impl Chosen {
 }
 
 impl Analysis {
-    /// Adds comparisons with what another study's people rated: each scale of each condition that both have, the other study
-    /// first, both under these names. False where there is none.
+    /// Adds comparisons with another study's ratings: each scale of each condition that both have, the other study
+    /// first, under these names. Returns `false` where there is none.
     pub fn compare_ratings(&mut self, other: &Self, names: (&str, &str)) -> bool {
         let found: Vec<Comparison> = self
             .ratings
@@ -160,7 +160,7 @@ impl Analysis {
             })
             .collect();
         let any = !found.is_empty();
-        // What is compared with simulated people is flagged as theirs.
+        // A comparison with simulated people is flagged as theirs.
         self.simulated |= any && other.simulated;
         self.comparisons.extend(found);
         any
@@ -420,7 +420,7 @@ fn choices(protocol: &Protocol, records: &[Record]) -> Vec<Chosen> {
     pairs.map(of).collect()
 }
 
-/// Which wire was taken for which, and how far off.
+/// Confusion of wires, and the median distance of felt places from their wires, mm.
 fn places(records: &[Record]) -> (Vec<Vec<u32>>, Option<Estimate>) {
     let mut confusion = Vec::new();
     let mut medians = Vec::new();

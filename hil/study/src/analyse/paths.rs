@@ -14,13 +14,13 @@ const LAGS: i32 = 25;
 /// A place, mm.
 type Place = [f64; 2];
 
-/// How a drawing differs from what was played.
+/// Difference of a drawing from the played path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PathError {
     /// Root of the mean squared distance at equal times, mm: the drawing's time is stretched to the path's, and shifted by the
     /// lag that makes it least.
     pub rmse_mm: f64,
-    /// That lag, as a part of the path's length in time; positive where the drawing trails.
+    /// The lag of that distance, as a part of the path's length in time; positive where the drawing trails.
     pub lag: f64,
     /// Discrete Frechet distance (Eiter and Mannila 1994), mm: in order, at whatever speed.
     pub frechet_mm: f64,
@@ -32,7 +32,7 @@ fn distance(a: Place, b: Place) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
-/// Where a path is at a part of its time, between its points.
+/// Place on a path at a part of its time, between its points.
 fn at(path: &[(f64, Place)], part: f64) -> Place {
     let (first, last) = (path[0], path[path.len() - 1]);
     let t = first.0 + part.clamp(0.0, 1.0) * (last.0 - first.0);
@@ -55,7 +55,7 @@ fn resampled(path: &[(f64, Place)]) -> Vec<Place> {
     parts.map(|part| at(path, part)).collect()
 }
 
-/// Root of the mean squared distance where the drawing trails by `lag`, over what both have.
+/// Root of the mean squared distance where the drawing trails by `lag`, over the time that both have.
 fn rmse(truth: &[(f64, Place)], drawn: &[(f64, Place)], lag: f64) -> f64 {
     let parts = (0..POINTS).map(|n| n as f64 / (POINTS - 1) as f64);
     let both = parts.filter(|part| (0.0..=1.0).contains(&(part + lag)));
@@ -85,7 +85,7 @@ fn frechet(a: &[Place], b: &[Place]) -> f64 {
     row.last().copied().unwrap_or_default()
 }
 
-/// Holds a drawing against the path that was played: seconds and mm. `None` where either has no two points.
+/// Compares a drawing with the played path: seconds and mm. `None` where either has fewer than two points.
 #[must_use]
 pub fn compare_paths(truth: &[[f64; 3]], strokes: &[Vec<Sample>]) -> Option<PathError> {
     let truth: Vec<_> = truth.iter().map(|[t, x, y]| (*t, [*x, *y])).collect();
@@ -96,7 +96,7 @@ pub fn compare_paths(truth: &[[f64; 3]], strokes: &[Vec<Sample>]) -> Option<Path
     }
     let lags = (-LAGS..=LAGS).map(|n| MOST_LAG * f64::from(n) / f64::from(LAGS));
     let errors = lags.map(|lag| (rmse(&truth, &drawn, lag), lag));
-    // Of equal ones the shortest lag.
+    // Of equal errors, the one with the shortest lag counts.
     let (rmse_mm, lag) = errors.min_by(|a, b| {
         let error = a.0.total_cmp(&b.0);
         error.then(a.1.abs().total_cmp(&b.1.abs()))

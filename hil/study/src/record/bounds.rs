@@ -1,5 +1,5 @@
-//! What the numbers of a record may be. No session has written one beyond these, and a guard that takes over what was played
-//! would be busy with it for ever.
+//! Bounds of the numbers of a record. No session writes one beyond these; a guard that takes over such bursts would be
+//! busy with them for ever.
 
 use super::{About, Interval, Line, Played, Uptime};
 use crate::session::Stimulus;
@@ -35,7 +35,7 @@ fn within(what: &str, value: f64, most: f64) -> Result<(), String> {
     }
 }
 
-/// Whether the numbers of a session's first line are within bounds; a sentence where not.
+/// Checks that the numbers of a session's first line are within bounds. The error is a sentence.
 pub(super) fn of_session(about: &About) -> Result<(), String> {
     at_most("participant", about.participant.into(), MOST)?;
     at_most("began_unix_ms", about.began_unix_ms, 100 * MOST_MS)?;
@@ -46,8 +46,8 @@ pub(super) fn of_session(about: &About) -> Result<(), String> {
     places.try_for_each(|mm| within("wires_mm", *mm, FARTHEST_MM))
 }
 
-/// Whether a later line comes after one at `before_ms`, and its numbers are within bounds on a display of so many wires; a
-/// sentence where not.
+/// Checks that a later line comes after one at `before_ms`, and that its numbers are within bounds on a display of so
+/// many wires. The error is a sentence.
 pub(super) fn of_line(line: &Line, before_ms: u64, wires: usize) -> Result<(), String> {
     let at_ms = line.at_ms();
     if at_ms <= before_ms {

@@ -1,8 +1,8 @@
-//! What is kept of a session, a line of JSON each: the session, what is about to be played, every reply with what was played
-//! before it, notes, stops.
+//! Record of a session, a line of JSON each: the session, stimuli before they are played, every reply with what was
+//! played before it, notes, stops.
 //!
-//! A session is begun again from these lines alone, and all that is said of it is computed from them. Each line has a later
-//! time than the one before it, so a line that stands there twice is found.
+//! A session is begun again from these lines alone, and all that is said of it is computed from them. Each line has a
+//! later time than the one before it, so a line that stands there twice is found.
 
 mod bounds;
 
@@ -12,20 +12,20 @@ use serde_json::Value;
 
 use crate::session::{AnswerError, Reply, Session, Step, Stimulus, Trial};
 
-/// Version of these lines; grows when a field changes what it says.
+/// Version of these lines; grows when a field changes its meaning.
 pub const VERSION: u32 = 2;
 
-/// A line.
+/// A line of a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Line {
-    /// The first one.
+    /// The session, the first line.
     Session(About),
-    /// What is about to be played: it counts as played until a reply says what of it was.
+    /// An interval before it is played: it counts as played until a reply tells how far it was.
     Playing(Playing),
-    /// What was said to a step.
+    /// A reply to a step.
     Reply(Said),
-    /// What the experimenter noted.
+    /// A note of the experimenter.
     Note(Noted),
     /// The session was begun again.
     Resumed(Resumed),
@@ -33,10 +33,10 @@ pub enum Line {
     Stopped(Noted),
 }
 
-/// What a session is.
+/// Facts of a session, its first line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct About {
-    /// [`VERSION`].
+    /// Version of the record: [`VERSION`].
     pub version: u32,
     /// Version of the program.
     pub palpate: String,
@@ -44,9 +44,9 @@ pub struct About {
     pub protocol: String,
     /// SHA-256 of the values of the protocol's file, first 16 hex digits.
     pub protocol_digest: String,
-    /// From 1 on.
+    /// Number of the participant, from 1 on.
     pub participant: u32,
-    /// What its order follows from.
+    /// Seed of its order.
     pub seed: u64,
     /// Name of the bench.
     pub bench: String,
@@ -54,27 +54,27 @@ pub struct About {
     pub source: String,
     /// SHA-256 of the values of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
-    /// Where the display's wires lie, mm.
+    /// Places of the display's wires, mm.
     pub wires_mm: Vec<[f64; 2]>,
-    /// When it began, UTC.
+    /// Beginning of the session, UTC.
     pub began: String,
-    /// The same in milliseconds since 1970.
+    /// Beginning of the session, milliseconds since 1970.
     pub began_unix_ms: u64,
-    /// How long the computer had been on then: times of lines count from here. Records of version 1 have none.
+    /// Uptime of the computer at the beginning: times of lines count from here. Records of version 1 have none.
     #[serde(default)]
     pub uptime: Uptime,
-    /// Whether a simulated person answers.
+    /// `true` where a simulated person answers.
     pub simulated: bool,
-    /// The share of the session's dose that it takes at its strongest.
+    /// Share of the session's dose that the protocol takes at its strongest.
     pub dose_planned: f64,
 }
 
-/// A reading of how long a computer has been on: a clock that no one sets.
+/// A reading of the time that a computer has been on: a clock that no one sets.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Uptime {
-    /// What it counts from, one start of one computer. `None` where that is not known.
+    /// Origin of the count, one start of one computer. `None` where that is not known.
     pub start: Option<String>,
-    /// Milliseconds since then.
+    /// Milliseconds since that origin.
     pub ms: u64,
 }
 
@@ -94,18 +94,18 @@ pub struct Resumed {
     pub at_ms: u64,
     /// Version of the program.
     pub palpate: String,
-    /// How long the computer has been on.
+    /// Uptime of the computer.
     pub uptime: Uptime,
 }
 
-/// What is about to be played.
+/// An interval before it is played.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Playing {
     /// Milliseconds since the session began.
     pub at_ms: u64,
     /// Number of the trial.
     pub number: u32,
-    /// How often it was begun before.
+    /// Number of earlier beginnings of the trial.
     pub attempt: u32,
     /// The interval, with the bursts that it has at most: played from rest. Its schedule and path are not known yet.
     pub interval: Interval,
@@ -116,11 +116,11 @@ pub struct Playing {
 pub struct Noted {
     /// Milliseconds since the session began.
     pub at_ms: u64,
-    /// What was noted.
+    /// Text of the note.
     pub text: String,
 }
 
-/// A reply.
+/// A reply to a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Said {
     /// Milliseconds since the session began.
@@ -132,39 +132,39 @@ pub struct Said {
     pub trial: Option<Played>,
 }
 
-/// A trial as it was played.
+/// A trial that was played.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Played {
-    /// From 1 on, practice counts.
+    /// Number of the trial, from 1 on; practice counts.
     pub number: u32,
-    /// How often it was begun before.
+    /// Number of earlier beginnings of the trial.
     pub attempt: u32,
     /// The task.
     pub task: TaskKind,
-    /// Whether it does not count.
+    /// `true` for practice, which does not count.
     pub practice: bool,
     /// The interval whose choice counts as yes.
     pub right: Option<u8>,
     /// The level that the method chose, dB.
     pub level_db: Option<f64>,
-    /// What was played.
+    /// Intervals that were played.
     pub intervals: Vec<Interval>,
-    /// When the answer could be given, ms since the session began.
+    /// Time from which the answer could be given, ms since the session began.
     pub asked_ms: u64,
 }
 
-/// One interval as it was played.
+/// One interval that was played.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// What it is.
+    /// Stimulus of the interval.
     pub stimulus: Option<Stimulus>,
-    /// When it began, ms since the session began.
+    /// Beginning of the interval, ms since the session began.
     pub began_ms: u64,
     /// The schedule as `hil run --schedule` writes it, without its head.
     pub schedule: Vec<Value>,
-    /// Where it truly went: seconds, mm right and up on the display.
+    /// True path of the stimulus: seconds, mm right and up on the display.
     pub path: Vec<[f64; 3]>,
-    /// What the guard booked: wire, when it went on and off (microseconds since the interval began), energy (nJ).
+    /// Bursts that the guard booked: wire, times on and off (microseconds since the interval began), energy (nJ).
     pub bursts: Vec<[u64; 4]>,
 }
 
@@ -183,7 +183,7 @@ impl Line {
 }
 
 impl About {
-    /// What this session has that another one, which would go on with it, has not: a sentence about the first of it.
+    /// Difference from another session that would go on with this one: a sentence about the first; `None` for none.
     #[must_use]
     pub fn differs(&self, other: &Self) -> Option<String> {
         let of = |about: &Self| {
@@ -211,7 +211,7 @@ impl About {
 }
 
 impl Interval {
-    /// When its last burst is over, ms since the session began.
+    /// End of the last burst, ms since the session began.
     fn until_ms(&self) -> u64 {
         let last = self
             .bursts
@@ -222,7 +222,7 @@ impl Interval {
 }
 
 impl Played {
-    /// A trial of which nothing was played yet.
+    /// A trial before its first interval.
     #[must_use]
     pub fn of(trial: &Trial) -> Self {
         Self {
@@ -237,7 +237,8 @@ impl Played {
         }
     }
 
-    /// Whether it is this trial. Levels are not compared: texts of numbers are read to the last digit but one.
+    /// Tells whether these are the answers to this trial. Levels are not compared: texts of numbers are read to the
+    /// last digit but one.
     fn is(&self, trial: &Trial) -> bool {
         let own = (self.number, self.attempt, self.task);
         own == (trial.number, trial.attempt, trial.task)
@@ -261,37 +262,37 @@ impl Played {
     }
 }
 
-/// What cannot be a session's lines.
+/// Errors of a session's lines.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordError {
-    /// A line that is none.
+    /// A line that cannot be read.
     #[error("line {line}: expected a line of a session's record: {why}")]
     Line {
-        /// From 1 on.
+        /// Number of the line, from 1 on.
         line: usize,
-        /// What is wrong.
+        /// Reason, in words.
         why: String,
     },
-    /// It begins with something else.
+    /// The record begins with something else than a session.
     #[error("line 1: expected the session that the lines are of")]
     Head,
     /// Lines of another version.
     #[error("expected a record of version {VERSION}, found {0}")]
     Version(u32),
-    /// Something that was played for another trial than the one that was open.
+    /// An interval that was played for another trial than the open one.
     #[error(
         "line {line}: expected the trial that is open then: a line is missing or stands there twice, or the record is not of this protocol and seed"
     )]
     Trial {
-        /// From 1 on.
+        /// Number of the line, from 1 on.
         line: usize,
     },
     /// A reply that its protocol does not wait for.
     #[error("line {line}: {error}: the record is not of this protocol and seed")]
     Reply {
-        /// From 1 on.
+        /// Number of the line, from 1 on.
         line: usize,
-        /// What was expected.
+        /// Reason why the session refuses the reply.
         error: AnswerError,
     },
 }
@@ -299,11 +300,11 @@ pub enum RecordError {
 /// A session's record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// What it is.
+    /// Facts of the session.
     pub about: About,
-    /// Everything after its head.
+    /// All lines after the session's.
     pub lines: Vec<Line>,
-    /// Bytes of whole lines: what comes after them was being written when the program died.
+    /// Bytes of whole lines: the rest was being written when the program died.
     pub whole: usize,
 }
 
@@ -380,7 +381,7 @@ impl Record {
         Ok(session)
     }
 
-    /// What was about to be played and has no reply: as far as is known it was.
+    /// Intervals that were about to be played and have no reply: they count as played.
     #[must_use]
     pub fn open(&self) -> Vec<Interval> {
         let after = self.lines.iter().rev();

@@ -1,4 +1,4 @@
-//! The trial of a line of the script: what it plays, at which level, and what it asks.
+//! The trial of a line of the script: its stimuli, their level, and its question.
 
 use palpate_files::TaskKind;
 
@@ -6,7 +6,7 @@ use super::script::{Cue, Line};
 use super::trial::{Ask, Stimulus, Trial};
 use super::{Session, raised};
 
-/// What is played, what is asked, and which interval counts as yes, before intervals change places.
+/// Intervals, question and interval that counts as yes, before intervals change places.
 struct Made {
     intervals: Vec<Stimulus>,
     ask: Ask,
@@ -18,7 +18,7 @@ const fn wire(wire: u16, level_db: f64) -> Stimulus {
 }
 
 impl Session {
-    /// The trial of a line; `strongest`: whatever its method would choose.
+    /// Makes the trial of a line; `strongest` takes the largest level that its method may choose.
     pub(super) fn trial(&self, cue: Cue, at: usize, strongest: bool) -> Trial {
         let before = self.script[..at].iter();
         let number = before.filter(|line| matches!(line, Line::Trial(_))).count() as u32 + 1;
@@ -52,7 +52,7 @@ impl Session {
         }
     }
 
-    /// Two intervals at a level that a method chose. Yes is the first.
+    /// Makes a trial of two intervals at a level that a method chose. Yes is the first.
     fn adaptive(&self, cue: Cue, level_db: f64) -> Made {
         let protocol = &self.protocol;
         let (intervals, question) = match (cue.task, &protocol.difference, &protocol.matching) {
@@ -83,7 +83,7 @@ impl Session {
         }
     }
 
-    /// What is as it is, whatever was answered.
+    /// A trial that no earlier answer changes.
     fn constant(&self, cue: Cue) -> Made {
         let protocol = &self.protocol;
         let condition = |name: &String| Stimulus::Condition(name.clone());

@@ -1,4 +1,4 @@
-//! A participant's session: what comes next, and what was answered.
+//! A participant's session: its steps, and the answers to them.
 //!
 //! The order follows from protocol, participant and seed alone; levels follow from the answers. So a session that is begun
 //! again with the replies on record stands where it stood.
@@ -19,48 +19,48 @@ use crate::threshold::Thresholding;
 use script::{Line, script};
 pub use trial::{Answer, AnswerError, Ask, Sample, Stimulus, Trial};
 
-/// What a participant, or the bench, says to a step.
+/// Reply of a participant, or the bench, to a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Reply {
-    /// To the consent.
+    /// Answer to the consent.
     Consent(bool),
     /// Instructions were read, or a break is over.
     Read,
-    /// To a question: the number of the choice, from zero.
+    /// Answer to a question: the number of the choice, from zero.
     Chosen(usize),
-    /// To a trial.
+    /// Answer to a trial.
     Answer(Answer),
     /// The trial came to nothing, for this reason; it is repeated.
     Void(String),
 }
 
-/// What a session waits for.
+/// Step that a session waits for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// Agreement to the protocol's text.
     Consent,
-    /// That the protocol's instructions were read.
+    /// Word that the protocol's instructions were read.
     Instructions,
     /// One of the protocol's questions, by its number.
     Question(usize),
-    /// That a break is over.
+    /// Word that a break is over.
     Break,
     /// A trial, to be played and answered.
     Trial(Trial),
-    /// Nothing: it is over.
+    /// Nothing more: the session is over.
     Done,
-    /// Nothing: the participant did not agree.
+    /// Nothing more: the participant did not agree.
     Declined,
 }
 
-/// A session.
+/// A session of a participant.
 #[derive(Debug, Clone)]
 pub struct Session {
     protocol: Protocol,
     script: Vec<Line>,
     at: usize,
-    /// Of the trial that is open, how often it was begun before.
+    /// Number of earlier beginnings of the open trial.
     attempt: u32,
     declined: bool,
     /// Methods by task whose levels follow from answers, one per wire.
@@ -68,7 +68,7 @@ pub struct Session {
     step: Step,
 }
 
-/// How much more than `level_db` an amplitude is that is larger by a part of it, dB.
+/// Difference of levels between an amplitude of `level_db` and one larger by the part `fraction_db` of it, dB.
 pub(crate) fn raised(level_db: f64, fraction_db: f64) -> f64 {
     level_db + 20.0 * libm::log10(1.0 + libm::pow(10.0, fraction_db / 20.0))
 }
@@ -106,13 +106,13 @@ impl Session {
         session
     }
 
-    /// What it is a session of.
+    /// Protocol of the session.
     #[must_use]
     pub const fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// What it waits for.
+    /// Step that the session waits for.
     #[must_use]
     pub const fn step(&self) -> &Step {
         &self.step
@@ -147,10 +147,10 @@ impl Session {
         wires.zip(found.map(Thresholding::threshold)).collect()
     }
 
-    /// Whether this is a reply to the present step.
+    /// Checks that this is a reply to the present step.
     ///
     /// # Errors
-    /// What was expected.
+    /// The expected reply, in words.
     pub fn check(&self, reply: &Reply) -> Result<(), AnswerError> {
         match (&self.step, reply) {
             (Step::Consent, Reply::Consent(_))
@@ -198,7 +198,7 @@ impl Session {
         Ok(())
     }
 
-    /// What an answer says about a level.
+    /// Tells a method of thresholds the answer at its level.
     fn learn(&mut self, trial: &Trial, answer: &Answer) {
         let (Some(level_db), Answer::Interval(chosen), false) =
             (trial.level_db, answer, trial.practice)
@@ -229,7 +229,7 @@ impl Session {
     }
 }
 
-/// What a step waits for, in words.
+/// The expected reply to a step, in words.
 const fn wants(step: &Step) -> &'static str {
     match step {
         Step::Consent => "whether the participant agrees",

@@ -1,9 +1,9 @@
-//! In which order things come, for each participant another and always the same.
+//! Orders of conditions: another for each participant, always the same for one.
 
 use palpate_core::random::RandomStream;
 use palpate_files::Order;
 
-/// So many things, each so often, for a participant.
+/// Order of so many things, each `repeats` times, for a participant.
 pub(crate) fn ordered(
     order: Order,
     (things, repeats): (usize, u32),
@@ -55,7 +55,7 @@ fn row(things: usize, number: usize) -> Vec<usize> {
     row
 }
 
-/// Fisher and Yates.
+/// Shuffles things (Fisher and Yates).
 pub(crate) fn shuffle<T>(things: &mut [T], random: &mut RandomStream) {
     for last in (1..things.len()).rev() {
         let chosen = (random.uniform() * (last + 1) as f64) as usize;

@@ -1,11 +1,11 @@
-//! Everything that comes in a session, in its order: a function of protocol, participant and seed.
+//! Script of a session, step by step: a function of protocol, participant and seed.
 
 use palpate_core::random::RandomStream;
 use palpate_files::{Groups, Protocol, TaskKind};
 
 use super::order::{ordered, shuffle};
 
-/// A step of the script. What a trial plays may follow from answers; that it comes does not.
+/// A step of the script. Stimuli of a trial may follow from answers; the trial itself does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Line {
     Consent,
@@ -22,7 +22,7 @@ pub(super) struct Cue {
     pub(super) practice: bool,
     /// Number of its wire, condition or pair among those of its task.
     pub(super) thing: usize,
-    /// Whether the second interval is what could as well have been the first.
+    /// `true` where the intervals change places: the second is the one that could as well have been the first.
     pub(super) swapped: bool,
 }
 
@@ -40,7 +40,7 @@ fn met(protocol: &Protocol, participant: u32) -> Vec<usize> {
     met.map(|(index, _)| index).collect()
 }
 
-/// Everything that comes, in its order.
+/// All steps, in their order.
 pub(super) fn script(protocol: &Protocol, participant: u32, seed: u64) -> Vec<Line> {
     let mut lines = Vec::new();
     lines.extend(protocol.consent.is_some().then_some(Line::Consent));

@@ -1,4 +1,4 @@
-//! What a trial plays, what it asks, and what may be answered.
+//! Stimuli of a trial, its question, and the answers to it.
 
 use palpate_files::{RatingScale, TaskKind};
 use serde::{Deserialize, Serialize};
@@ -8,33 +8,33 @@ const MOST_POINTS: usize = 72_000;
 /// Farthest from the display's middle that a person can point, mm.
 const FARTHEST_MM: f64 = 500.0;
 
-/// What one interval of a trial plays.
+/// Stimulus of one interval of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stimulus {
-    /// As long as a wire would be driven, nothing is.
+    /// No wire is driven, for as long as one would be.
     Silence,
     /// One wire.
     Wire {
         /// Counted from zero.
         wire: u16,
-        /// Its level, dB of full drive.
+        /// Level of the wire, dB of full drive.
         level_db: f64,
     },
     /// One of the protocol's conditions.
     Condition(String),
 }
 
-/// What a participant is asked after a trial.
+/// Question to a participant after a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ask {
-    /// In which interval was it, or was it stronger?
+    /// The interval with the stimulus, or with the stronger one: the question.
     Interval(&'static str),
-    /// The same in the protocol's words.
+    /// The protocol's own question about the two intervals.
     Which(String),
-    /// Where was it?
+    /// The place of the stimulus.
     Place,
-    /// Draw the path.
+    /// A drawing of the path.
     Path,
     /// A number from 1 to 6 on each scale.
     Ratings(Vec<RatingScale>),
@@ -46,13 +46,13 @@ pub enum Ask {
 pub struct Sample {
     /// Milliseconds since the drawing began.
     pub t_ms: f64,
-    /// To the right of the display's middle, mm.
+    /// Distance to the right of the display's middle, mm.
     pub x_mm: f64,
-    /// Up from it, mm.
+    /// Distance above the display's middle, mm.
     pub y_mm: f64,
 }
 
-/// What a participant answered.
+/// Answer of a participant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Answer {
@@ -69,17 +69,17 @@ pub enum Answer {
 /// A trial as it has to be played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// From 1 on, practice counts.
+    /// Number of the trial, from 1 on; practice counts.
     pub number: u32,
-    /// How often it was begun before and came to nothing.
+    /// Number of earlier beginnings of the trial that came to nothing.
     pub attempt: u32,
-    /// Which task it belongs to.
+    /// Task of the trial.
     pub task: TaskKind,
-    /// Whether its answer does not count.
+    /// `true` for practice, whose answer does not count.
     pub practice: bool,
-    /// What is played, one after the other.
+    /// Stimuli of the intervals, one after the other.
     pub intervals: Vec<Stimulus>,
-    /// What is asked then.
+    /// Question after the intervals.
     pub ask: Ask,
     /// The interval that is the right answer, where there is one; of `matching` and `choice` the one whose choice counts as
     /// yes.
@@ -88,18 +88,18 @@ pub struct Trial {
     pub level_db: Option<f64>,
 }
 
-/// What is no answer to a trial.
+/// Errors of an answer to a trial.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AnswerError {
     /// Another kind of answer than was asked for.
     #[error("expected {expected}, found {found}")]
     Kind {
-        /// What was asked for.
+        /// The expected answer, in words.
         expected: String,
-        /// What came.
+        /// The answer found, in words.
         found: String,
     },
-    /// Something was said that fits no open question.
+    /// A reply that fits no open question.
     #[error("expected {0}")]
     Step(&'static str),
 }
@@ -116,10 +116,10 @@ impl Answer {
 }
 
 impl Ask {
-    /// Whether this is an answer.
+    /// Checks that this is an answer to the question.
     ///
     /// # Errors
-    /// What was expected.
+    /// The expected answer, in words.
     pub fn check(&self, answer: &Answer) -> Result<(), AnswerError> {
         let bad = |expected: String, found: String| Err(AnswerError::Kind { expected, found });
         let near = |mm: f64| mm.is_finite() && mm.abs() <= FARTHEST_MM;

@@ -1,4 +1,4 @@
-//! Figures 3.4 and 3.6: ratings of every texture as boxes, with the bare finger and on the display beside each other.
+//! Figures 3.4 and 3.6: ratings of every texture as boxes, with the bare finger and on the display side by side.
 
 use palpate_emulators::person::panel::Dimension;
 use palpate_records::report::scale::Scale;
@@ -7,19 +7,19 @@ use palpate_records::report::svg::{Plot, Svg};
 use super::statistics::Box5;
 use super::{ON_DISPLAY, Rated, Study};
 
-/// Below this a difference is called one, as in the thesis.
+/// Probability below which a difference counts, as in the thesis.
 pub const SIGNIFICANT: f64 = 0.05;
 
-/// At least so wide, and so much for each texture: a name and two boxes.
+/// Least width, and the width for each texture: a name and two boxes.
 const WIDTH: f64 = 960.0;
 const EACH: f64 = 92.0;
-/// Beside the boxes.
+/// Width beside the boxes, pixels.
 const MARGINS: f64 = 84.0;
 const HEIGHT: f64 = 190.0;
 const TOP: f64 = 96.0;
 const GAP: f64 = 74.0;
 
-/// One box around `x`, pixels.
+/// Draws one box around `x`, pixels.
 fn draw_box(svg: &mut Svg, plot: &Plot, x: f64, ratings: &[u8], class: &str) {
     let Some(found) = Box5::of(ratings) else {
         return;
@@ -57,7 +57,7 @@ fn ratings(rated: &Rated, dimension: Dimension) -> (Option<&[u8]>, Option<&[u8]>
     (bare, shown.map(|d| rated.display[d].as_slice()))
 }
 
-/// A study drawn: SVG as a file of its own.
+/// Draws a study: SVG as a file of its own.
 pub fn draw(study: &Study, title: &str) -> String {
     let touched = study.textures.iter().any(|t| t.bare.is_some());
     let dimensions: Vec<Dimension> = Dimension::ALL

@@ -1,5 +1,5 @@
 //! A simulated panel rates textures with the bare finger and on the emulated display, as in the thesis's two studies
-//! (figures 3.4 and 3.6). Who the panel is stands in [`palpate_emulators::person::panel`]; here is what it is shown.
+//! (figures 3.4 and 3.6). [`palpate_emulators::person::panel`] has the panel's people; here are their stimuli.
 
 pub mod draw;
 pub mod stage;
@@ -24,43 +24,44 @@ use statistics::mann_whitney;
 pub use trials::Label;
 use trials::{Source, Trial};
 
-/// What is rated on a display: hardness cannot be felt there.
+/// Dimensions that are rated on a display: hardness cannot be felt there.
 pub const ON_DISPLAY: [Dimension; 2] = [Dimension::Roughness, Dimension::Friction];
 
 /// Ratings of one texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rated {
-    /// Its name.
+    /// Name of the texture.
     pub name: String,
-    /// Mean roughness of its trials in the model's range, 0 to 1: what (3.2) is driven by.
+    /// Mean roughness of its trials in the model's range, 0 to 1: the drive of (3.2).
     pub driven: f64,
-    /// With the bare finger: hardness, roughness, friction. None of a recording, whose surface no panel has touched.
+    /// Ratings with the bare finger: hardness, roughness, friction. `None` for a recording, whose surface no panel has
+    /// touched.
     pub bare: Option<[Vec<u8>; 3]>,
-    /// On the display: roughness, friction.
+    /// Ratings on the display: roughness, friction.
     pub display: [Vec<u8>; 2],
-    /// What was felt of each trial on the display.
+    /// Sensation of each trial on the display.
     pub shown: Vec<Shown>,
 }
 
 /// One Mann-Whitney U test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Test {
-    /// What was rated.
+    /// Dimension that was rated.
     pub dimension: &'static str,
-    /// What the display's ratings are held against: the bare finger's, or another texture's on the display.
+    /// Ratings that the display's are compared with: the bare finger's, or another texture's on the display.
     pub against: String,
     /// The display's ratings.
     pub a: Vec<u8>,
-    /// The others.
+    /// Ratings to compare with.
     pub b: Vec<u8>,
-    /// U of the first.
+    /// U of the display's ratings.
     pub u: f64,
-    /// Two-sided p.
+    /// Two-sided probability.
     pub p: f64,
 }
 
 impl Rated {
-    /// A dimension of the display against other ratings.
+    /// Tests a dimension on the display against other ratings.
     fn test(&self, d: usize, against: &str, other: &[u8]) -> Option<Test> {
         let (u, p) = mann_whitney(&self.display[d], other)?;
         Some(Test {
@@ -91,13 +92,13 @@ impl Rated {
 /// A panel's ratings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
-    /// What the ends of the scales felt like.
+    /// Sensations at the ends of the scales.
     pub ends: ScaleEnds,
     /// Textures in the table's or the folder's order.
     pub textures: Vec<Rated>,
 }
 
-/// Everything that stays from trial to trial.
+/// State that stays from trial to trial.
 struct Session<'a> {
     stage: Stage<'a>,
     panel: Panel,
@@ -155,8 +156,8 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Rates emulated textures: twelve strokes each, pushed through the model. `pairing` says what the module that
-/// strokes is covered with. `passed` hears the part that is done, 0 to 1.
+/// Rates emulated textures: twelve strokes each, pushed through the model. `pairing` gives the surface of each texture
+/// to the module that strokes it. `passed` takes the part that is done, 0 to 1.
 ///
 /// # Errors
 /// A model or bench that does not fit.
@@ -204,7 +205,7 @@ pub fn recorded(
     study(model, labels.iter().map(of_label), (setup, seed), passed)
 }
 
-/// What is shown of one texture, and what the bare finger is to say of it.
+/// Strokes of one texture for the display, and its properties under the bare finger.
 struct Shows {
     name: String,
     bare: Option<[f64; 3]>,
@@ -233,12 +234,12 @@ fn study(
     })
 }
 
-/// A surface as the thesis's module meets it: covered with gripping tape.
+/// A surface to the thesis's module, which is covered with gripping tape.
 pub fn taped(entry: &TextureEntry) -> SurfaceTexture {
     surface(entry)
 }
 
-/// The same surface under a module that slides as a finger does.
+/// A surface to a module that slides as a finger does.
 pub fn bare(entry: &TextureEntry) -> SurfaceTexture {
     SurfaceTexture {
         friction: entry.finger_friction,

@@ -1,5 +1,5 @@
-//! What a panel is shown: control parameters on the emulated wires of a bench, through guard, driver and chip, and
-//! what a person makes of the wires' motion.
+//! Stage of a panel: control parameters on the emulated wires of a bench, through guard, driver and chip, and the
+//! sensation of a person from the wires' motion.
 
 use palpate_core::contact::Levels;
 use palpate_core::driver::{Actuators, Driver};
@@ -16,37 +16,37 @@ use palpate_run::Failure;
 use palpate_run::display_end::emulated;
 use palpate_run::plan;
 
-/// How long a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
+/// Time for which a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
 pub const SHOWN: Duration = Duration::from_millis(1000);
-/// How long the ends of the scales are shown.
+/// Time for which the ends of the scales are shown.
 const SHOWN_BEFORE: Duration = Duration::from_millis(5000);
-/// After so long the surface is met again: what was felt of it before is over, in the receptors too.
+/// Pause before the surface is met again: earlier sensation is over, in the receptors too.
 const REST: Duration = Duration::from_millis(1000);
-/// A tap is over then.
+/// Time after which a tap is over.
 const TAP: Duration = Duration::from_millis(70);
-/// The loop is called at least so often.
+/// Longest time between two calls of the loop.
 const TICK: Duration = Duration::from_millis(1);
 
-/// A bench with its display, and what projects textures on it.
+/// A bench with its display, and the projection of textures onto it.
 pub struct Stage<'a> {
     setup: &'a Setup,
     drivers: Drivers,
-    /// (3.2).
+    /// Map from driving coordinates to control parameters (3.2).
     pub map: ControlMap,
 }
 
-/// A texture as it was felt.
+/// Sensation of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// How far over threshold, dB; none where no wire moved.
+    /// Level over threshold, dB; `None` where no wire moved.
     pub level_db: Option<f64>,
-    /// How strong it feels, 1 at threshold; 0 below.
+    /// Felt intensity, 1 at threshold; 0 below.
     pub intensity: f64,
-    /// What is rated of it.
+    /// Sensation that is rated.
     pub sensation: Sensation,
     /// Pulses that reached the wires.
     pub pulses: usize,
-    /// How far over threshold the tap is that ends it, dB; none where no wire moved.
+    /// Level over threshold of the tap that ends it, dB; `None` where no wire moved.
     pub tap_db: Option<f64>,
 }
 
@@ -70,10 +70,10 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// The ends of the scales: what both ends of the driving coordinates feel like.
+    /// The ends of the scales: sensations at both ends of the driving coordinates.
     ///
     /// # Errors
-    /// As [`Stage::show`].
+    /// Errors of [`Stage::show`].
     pub fn ends(&self, seed: u64) -> Result<ScaleEnds, Failure> {
         let Drivers {
             roughness,
@@ -182,7 +182,7 @@ impl<'a> Stage<'a> {
     /// Pulses of every wire since `begun`, as the skin meets them.
     fn kicks(&self, display: &mut WornDisplay, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
         let wire = plan::wire(self.setup);
-        // What is read of them are their times and shares: the unit does not matter.
+        // Only times and shares are read of the kicks: the unit does not matter.
         let um_per_j = 1.0 / wire.heat_capacity();
         // The supply's share may change in the midst of a pulse: stretches that touch are one.
         let mut pulses: Vec<Vec<(Nanos, Nanos, f64)>> = vec![Vec::new(); wires];
@@ -202,7 +202,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// What wires at these places along the stroke feel like.
+/// Sensation of wires at these places along the stroke.
 fn shown(
     (met, intensity): (Option<Felt>, f64),
     kicks: &[Vec<Kick>],

@@ -23,7 +23,7 @@ pub struct Box5 {
 }
 
 impl Box5 {
-    /// Of some ratings; `None` of none.
+    /// Box of some ratings; `None` for none.
     pub fn of(ratings: &[u8]) -> Option<Self> {
         let mut sorted = ratings.to_vec();
         sorted.sort_unstable();

@@ -1,4 +1,4 @@
-//! What a panel is shown, before it is shown: strokes and pieces of recordings as rows, rows as control parameters.
+//! Trials of a panel before they are shown: strokes and pieces of recordings as rows, rows as control parameters.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::stage::SHOWN;
 use crate::explore::features;
 use crate::rows::files;
 
-/// From one latent vector to the next, as in the loop.
+/// Time from one latent vector to the next, as in the loop.
 const SOA: Duration = Duration::from_micros(58_500);
 /// Rows per second of the emulated strokes.
 const EMULATED_HZ: f64 = 100.0;
@@ -24,24 +24,24 @@ pub struct Source {
     /// Values, row by row.
     values: Vec<f32>,
     rate_hz: f64,
-    /// What it is, for errors.
+    /// Name of the stroke, for errors.
     what: String,
 }
 
 /// A stroke as control parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Trial {
-    /// Each from its time on.
+    /// Control parameters, each with the time from which it holds.
     pub(super) controls: Vec<(Duration, Control)>,
     /// Mean roughness, 0 to 1.
     pub(super) driven: f64,
-    /// How hard the surface is by the last window, 0 to 1: what is felt where it is left.
+    /// Hardness of the surface by the last window, 0 to 1: that of the tap where the surface is left.
     pub(super) hardness: Option<f64>,
 }
 
 impl Trial {
-    /// What the loop would make of a stroke: the windows that are newest at each onset, from the first one on. The
-    /// last one stands for what is left.
+    /// Control parameters that the loop would make of a stroke: from the windows that are newest at each onset, from
+    /// the first one on. The last window gives the hardness.
     pub(super) fn new(
         encoder: &Arc<Encoder>,
         map: &ControlMap,
@@ -96,7 +96,7 @@ impl Source {
 /// Recordings of one material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// The material.
+    /// Name of the material.
     pub name: String,
     files: Vec<PathBuf>,
 }
@@ -132,7 +132,7 @@ impl Label {
         Ok(labels)
     }
 
-    /// Pieces as long as a window and what is shown after it, from the middle of one recording after another.
+    /// Pieces as long as a window and the shown time after it, from the middle of one recording after another.
     pub(super) fn pieces(
         &self,
         model: &TextureModel,

@@ -1,4 +1,4 @@
-//! Where the latent vector of a window should lie, by what is known of its label.
+//! Aims of the latent vectors of windows, by the facts about their labels.
 
 use std::collections::BTreeMap;
 
@@ -9,19 +9,19 @@ use crate::recordings::{Known, Material, Rating};
 use crate::settings::Settings;
 use crate::windows::{Place, Windows};
 
-/// Ends of a property's range lie at plus and minus this: inside what a GRU can say.
+/// Latent coordinate of the ends of a property's range, plus and minus: inside the range of a GRU.
 const REACH: f32 = 0.75;
 
 /// The first coordinates of each label's latent vectors.
 pub struct Aims {
     of_label: BTreeMap<String, Vec<f32>>,
-    /// What their mean squared miss counts in the loss.
+    /// Weight of their mean squared miss in the loss.
     weight: f64,
 }
 
 impl Aims {
-    /// With `--heads` roughness, friction and hardness by materials, with `--codes` a corner for each of the labels, with
-    /// `--align` two by ratings; else none.
+    /// Aims of the settings: with `--heads` roughness, friction and hardness by materials, with `--codes` a corner for
+    /// each of the labels, with `--align` two by ratings; else `None`.
     pub fn new(known: &Known, labels: &[String], settings: &Settings) -> Option<Self> {
         let (weight, of_label) = if settings.heads > 0.0 {
             (settings.heads, by_materials(&known.materials))
@@ -35,8 +35,8 @@ impl Aims {
         Some(Self { of_label, weight })
     }
 
-    /// Half of the miss at the end of windows, half that of the states [steps, batch, latent] in their later half: what is to
-    /// be known early has fewer steps to go through.
+    /// Half of the miss at the end of windows, half that of the states [steps, batch, latent] in their later half:
+    /// properties that are to be known early have fewer steps to go through.
     pub fn miss_along<B: Backend>(
         &self,
         states: &Tensor<B, 3>,
@@ -94,7 +94,7 @@ fn by_materials(materials: &[Material]) -> BTreeMap<String, Vec<f32>> {
 /// Most coordinates of which corners are taken; more tell no more labels apart.
 const CODED: usize = 16;
 
-/// How many labels a latent vector of this width can have a corner for.
+/// Number of labels for which a latent vector of this width has a corner.
 pub const fn corners(latent: usize) -> usize {
     1 << if latent < CODED { latent } else { CODED }
 }

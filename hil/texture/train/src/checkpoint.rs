@@ -16,7 +16,7 @@ use crate::gru::Learning;
 use crate::network::Network;
 use crate::settings::{Progress, Settings};
 
-/// Where a training run stands.
+/// State of a training run.
 pub struct State<L: Learning, O> {
     pub network: Network<L>,
     pub adam: O,
@@ -26,7 +26,7 @@ pub struct State<L: Learning, O> {
 }
 
 type Bytes = BinBytesRecorder<FullPrecisionSettings>;
-/// Said with the file's name further up.
+/// An error without a file; the caller adds the file's name.
 type Bad = Box<dyn std::error::Error>;
 
 fn pack<B: Backend, R: Record<B>>(record: R) -> Result<Vec<u8>, Bad> {
@@ -96,7 +96,7 @@ impl<L: Learning, O: Optimizer<Network<L>, L>> State<L, O> {
         let about = header.metadata().clone().unwrap_or_default();
         let entry = |key: &str| about.get(key).map_or("", String::as_str);
         let written: Settings = serde_json::from_str(entry("settings"))?;
-        // How long to go on may change, and with it how fast the rate falls; nothing else.
+        // The length of the training may change, and with it the fall of the rate; nothing else may.
         let same = Settings {
             epochs: written.epochs,
             patience: written.patience,

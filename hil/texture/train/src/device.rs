@@ -1,4 +1,4 @@
-//! Where training runs: on the processor, or on a graphics card in a build that knows them.
+//! Device of a training: the processor, or a graphics card in a build that knows them.
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub enum Device {
 }
 
 impl Device {
-    /// What it is called, or what is missing: the framework itself panics where there is no card.
+    /// Name of the device. The error tells what is missing: the framework itself panics where there is no card.
     pub fn name(self) -> Result<String, Failure> {
         match self {
             Self::Cpu => Ok("the processor".into()),

@@ -1,4 +1,4 @@
-//! What can go wrong here, said with the file it went wrong in, and files that are whole or not there.
+//! Failures of a training, each with the file it went wrong in, and files that are whole or absent.
 
 use std::path::Path;
 

@@ -1,22 +1,22 @@
 //! A first guide: principal components between encoder and decoder, while these two cannot yet make sense of each
-//! other. The encoder learns to say them, the decoder to read them; what comes after is the network's own affair.
+//! other. The encoder learns to put them out, the decoder to read them; later epochs are the network's own affair.
 
 use burn::prelude::*;
 
 use crate::measure::{Components, matrix};
 use crate::windows::{Place, Windows};
 
-/// Principal components of the training windows, squeezed into what a GRU can say.
+/// Principal components of the training windows, squeezed into the range of a GRU.
 pub struct Guide {
     components: Components,
-    /// Twice the standard deviation of each coordinate: what becomes tanh(1).
+    /// Twice the standard deviation of each coordinate, which becomes tanh(1).
     reach: Vec<f32>,
-    /// What a miss of one in each coordinate adds to the mean squared reconstruction error, about.
+    /// Rough increase of the mean squared reconstruction error for a miss of one in each coordinate.
     weights: Vec<f32>,
 }
 
 impl Guide {
-    /// Of the training recordings' windows, as many components as the latent vector has.
+    /// Guide of the training recordings' windows, with as many components as the latent vector has.
     pub fn new(windows: &Windows, train: &[usize], latent: usize) -> Self {
         let rows = matrix(windows, &windows.of(train, 4));
         let components = Components::fit(&rows, latent);
@@ -34,7 +34,7 @@ impl Guide {
         }
     }
 
-    /// What the latent vectors of these windows should be, [places, latent].
+    /// Latent vectors that these windows should have, [places, latent].
     pub fn latents<B: Backend>(
         &self,
         windows: &Windows,
@@ -52,7 +52,7 @@ impl Guide {
         Tensor::from_data(TensorData::new(values, shape), device)
     }
 
-    /// What the misses of some latent vectors would add to the reconstruction error, about.
+    /// Rough increase of the reconstruction error for the misses of some latent vectors.
     pub fn miss<B: Backend>(&self, found: Tensor<B, 2>, wanted: Tensor<B, 2>) -> Tensor<B, 1> {
         let [places, latent] = found.dims();
         let weights = TensorData::new(self.weights.clone(), [1, latent]);

@@ -113,7 +113,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     report::run(arguments, &windows, &split, &known)
 }
 
-/// Whether what the settings ask for is there.
+/// Checks that the settings fit together and that the folder has the tables that they need.
 fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
     let settings = &arguments.settings;
     let [heads, aligned, coded] =

@@ -1,4 +1,4 @@
-//! What a trained model is held against: a mean, principal components, nearest neighbours.
+//! Baselines of a trained model: a mean, principal components, nearest neighbours.
 
 use ndarray::{Array1, Array2, Axis};
 use palpate_core::random::RandomStream;
@@ -43,7 +43,7 @@ impl Components {
         (rows - &self.mean).dot(&self.axes.t())
     }
 
-    /// Mean squared error of what the components keep of some rows.
+    /// Mean squared error of rows after their reduction to the components.
     pub fn error(&self, rows: &Array2<f32>) -> f64 {
         mean_square(&(rows - &self.mean - self.scores(rows).dot(&self.axes)))
     }
@@ -138,7 +138,7 @@ pub fn linear(known: &[(Vec<f32>, usize)], asked: &[(Vec<f32>, usize)], labels: 
             .map(|(z, (mean, std))| (f64::from(*z) - mean) / std);
         each.chain([1.0]).collect()
     };
-    // Normal equations beside what they come to for each label, eliminated by rows.
+    // Normal equations with the right side of each label, eliminated by rows.
     let n = width + 1;
     let mut system = Array2::<f64>::zeros((n, n + labels));
     for (z, label) in known {

@@ -13,7 +13,7 @@ use crate::settings::{Progress, Settings};
 use crate::training::{MATERIALS_HOP, Plain, latents};
 use crate::windows::{Place, Split, Windows};
 
-/// What a model file says besides its weights.
+/// Facts in a model file besides its weights.
 pub struct About<'a> {
     pub windows: &'a Windows,
     pub split: &'a Split,
@@ -22,30 +22,30 @@ pub struct About<'a> {
     /// Mean squared error over every window of the test recordings, where the decoder has learned.
     pub test_error: Option<f64>,
     pub latent: Latent,
-    /// Readings per second of the recordings, where the command line said so.
+    /// Readings per second of the recordings, where the command line gives them.
     pub rate_hz: Option<f64>,
     /// The command line that made it.
     pub command: String,
     pub revision: String,
 }
 
-/// Which latent coordinate stands for what, by rank correlation over the training recordings.
+/// Latent coordinates and their properties, by rank correlation over the training recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Latent {
-    /// Drives sigma and f_PWM, and mu where no coordinate stands for friction.
+    /// Driver of sigma and f_PWM, and of mu where no coordinate stands for friction.
     pub roughness: Option<Driver>,
     pub hardness: Option<Driver>,
-    /// Only of a training by materials.
+    /// Friction, in a training by materials alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Driver>,
 }
 
-/// A latent coordinate, which way it grows, and its range (5th to 95th percentile of the training windows).
+/// A latent coordinate, its direction, and its range (5th to 95th percentile of the training windows).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Driver {
     pub coordinate: usize,
     pub sign: i32,
-    /// What it was chosen by: [`RATINGS`], [`BUZZ`] or [`MATERIALS`].
+    /// Source of the choice: [`RATINGS`], [`BUZZ`] or [`MATERIALS`].
     pub with: &'static str,
     /// Spearman's rank correlation with that.
     pub spearman: f64,
@@ -56,14 +56,14 @@ pub struct Driver {
     pub learned: Option<[f64; 2]>,
 }
 
-/// What people say of the labels.
+/// Ratings of the labels by people.
 const RATINGS: &str = "ratings";
-/// There are no ratings of these recordings: how much readings change from row to row, which is what rough surfaces do to them.
+/// Change of the readings from row to row, by which rough surfaces are known: for recordings without ratings.
 const BUZZ: &str = "buzz";
-/// What the surfaces are, which the training tied the coordinate to.
+/// Properties of the surfaces, to which the training tied the coordinate.
 const MATERIALS: &str = "materials";
 
-/// Finds what drives roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
+/// Finds the drivers of roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
 /// and hardness. With `heads` the training has tied z1, z2 and z3 to roughness, friction and hardness.
 pub fn drivers(
     network: &Network<Plain>,

@@ -41,7 +41,7 @@ fn drawn<B: Backend, const D: usize>(
     Param::from_data(TensorData::new(values, shape), device)
 }
 
-/// Uniform, by the sum of both widths (Glorot & Bengio 2010): what Keras, and with it the thesis, starts from.
+/// Uniform draws by the sum of both widths (Glorot & Bengio 2010): the start of Keras, and with it of the thesis.
 fn glorot<B: Backend>(
     stream: &mut RandomStream,
     out: usize,
@@ -131,7 +131,7 @@ impl<B: Backend> Network<B> {
 }
 
 impl<B: Backend> Network<B> {
-    /// Lets the first two layers begin as [`crate::start`] says.
+    /// Gives the first two layers the start of [`crate::start`].
     pub fn hear_what_is_fast(&mut self, seed: u64) {
         let mut stream = RandomStream::new(seed, "weights that hear what is fast");
         let features = self.dense_bias.val().dims()[0];
@@ -212,7 +212,7 @@ impl<B: Recurrent> Network<B> {
         last(self.states(windows))
     }
 
-    /// What the latent vectors [steps, batch, latent] of windows would be if they ended with each step.
+    /// Latent vectors [steps, batch, latent] that windows would have if they ended with each step.
     pub fn states(&self, windows: Tensor<B, 3>) -> Tensor<B, 3> {
         let layers = self.encoder.iter();
         layers.fold(windows, |x, layer| layer.forward(x))

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 pub struct Recording {
     /// The file's stem, or blob and slide.
     pub name: String,
-    /// What was touched.
+    /// Label of the texture that was touched.
     pub label: String,
     /// Raw readings, row after row.
     pub values: Vec<f32>,
@@ -25,7 +25,7 @@ pub struct Recordings {
     pub all: Vec<Recording>,
 }
 
-/// What people say of a label, 1 to 6, and whether it may be trained on.
+/// Ratings of a label by people, 1 to 6, with `trained` where it may be trained on.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 pub struct Rating {
     pub label: String,
@@ -35,7 +35,7 @@ pub struct Rating {
     pub friction: f32,
 }
 
-/// What a label's surface is, as `hil texture strokes` writes it.
+/// Surface of a label, as `hil texture strokes` writes it.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 pub struct Material {
     pub label: String,
@@ -46,7 +46,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// What stands for roughness, friction and hardness, in the order of the coordinates.
+    /// Properties that stand for roughness, friction and hardness, in the order of the coordinates.
     pub const PROPERTIES: [fn(&Self) -> f64; 3] = [
         |m: &Self| m.relief_um,
         |m: &Self| m.friction,
@@ -62,7 +62,7 @@ impl Material {
     }
 }
 
-/// What is known of labels besides their recordings.
+/// Facts about labels besides their recordings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     pub ratings: Vec<Rating>,
@@ -92,7 +92,7 @@ impl Known {
         }
     }
 
-    /// Whether a label may be trained on: unless a table says no.
+    /// Tells whether a label may be trained on: any label may, unless a table says no.
     pub fn may_train(&self, label: &str) -> bool {
         let rated = self.ratings.iter().find(|r| r.label == label);
         let made = self.materials.iter().find(|m| m.label == label);
@@ -100,11 +100,11 @@ impl Known {
     }
 }
 
-/// A blob of the iCub set has 4 MB; what is much larger is some other file.
+/// Largest file that is read, bytes: a blob of the iCub set has 4 MB, and a much larger file is some other one.
 const MOST_BYTES: u64 = 256 << 20;
 /// The file of ratings in a folder of recordings.
 const RATINGS: &str = "ratings.csv";
-/// The file that says what the surfaces are.
+/// File of the surfaces' properties.
 const MATERIALS: &str = "materials.csv";
 
 impl Recordings {

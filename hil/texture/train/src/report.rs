@@ -1,4 +1,4 @@
-//! One run from first epoch to figures: the model file, and what the model is worth.
+//! One run from first epoch to figures: the model file, and the model's worth.
 
 use std::io::Write;
 use std::process::Command;
@@ -23,7 +23,7 @@ const COMPONENTS: usize = 3;
 /// Neighbours that vote.
 const NEIGHBOURS: usize = 5;
 
-/// Trains, writes the model, measures it and says so.
+/// Trains, writes the model, measures it and reports.
 pub fn run(
     arguments: &Arguments,
     windows: &Windows,
@@ -105,7 +105,7 @@ fn peers(known: &Array2<f32>, latent: usize) -> Vec<(String, Components)> {
     counts.iter().map(fit).collect()
 }
 
-/// Reconstruction of the test recordings beside that of a mean and of principal components.
+/// Reconstruction errors of the test recordings: of the network, of a mean and of principal components.
 fn against_others(
     windows: &Windows,
     split: &Split,
@@ -121,9 +121,9 @@ fn against_others(
     errors.into()
 }
 
-/// Labels of the test recordings by their neighbours among the others, and by a linear probe (of means alone): the network's latent vectors, and principal
-/// components. A recording stands for itself by the mean over its windows, and under `with_spread` by mean and standard
-/// deviation: how much a latent vector moves is texture too.
+/// Labels of the test recordings by their neighbours among the others, and by a linear probe (of means alone): from the
+/// network's latent vectors, and from principal components. The mean over its windows represents a recording, and with
+/// `with_spread` mean and standard deviation: the motion of a latent vector is texture too.
 fn by_neighbours(
     network: &Network<Plain>,
     windows: &Windows,

@@ -1,4 +1,4 @@
-//! What one training run is, and what it has reached. The same settings and recordings give the same model, on the
+//! Settings of one training run, and its progress. The same settings and recordings give the same model, on the
 //! processor bit by bit.
 
 use clap::Args;
@@ -83,7 +83,7 @@ const fn whole() -> f64 {
     1.0
 }
 
-/// What has been reached after some epochs.
+/// Progress after some epochs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     pub epochs: usize,
@@ -94,12 +94,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Whether another epoch is due.
+    /// Tells whether another epoch is due.
     pub fn goes_on(&self, settings: &Settings) -> bool {
         self.epochs < settings.epochs && self.epochs - self.best_epoch < settings.patience
     }
 
-    /// Adds an epoch's errors; whether it is the best so far.
+    /// Adds an epoch's errors. Returns whether it is the best so far.
     pub fn add(&mut self, train: f64, validation: f64) -> bool {
         self.epochs += 1;
         let best = self

@@ -1,5 +1,5 @@
-//! How far a training is and when it ends: one line on standard error, where that is a terminal. The program `hil` shows
-//! its own work in the same way.
+//! Progress of a training on standard error: one line, where that is a terminal. The program `hil` shows its own work
+//! in the same way.
 
 use std::io::{IsTerminal, stderr};
 use std::time::Duration;
@@ -15,7 +15,7 @@ const EVERY: Duration = Duration::from_millis(125);
 pub struct Shown(ProgressBar);
 
 impl Shown {
-    /// For so many epochs.
+    /// A line for a training of so many epochs.
     pub fn new(epochs: usize) -> Self {
         let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
@@ -33,7 +33,7 @@ impl Shown {
         Self(bar)
     }
 
-    /// After an epoch.
+    /// Shows the progress after an epoch.
     pub fn epoch(&self, progress: &Progress) {
         self.0.set_position(progress.epochs as u64);
         let best = progress.best_epoch;

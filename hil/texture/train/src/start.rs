@@ -1,18 +1,19 @@
-//! First weights that hear what is fast and small: the first layer begins as slow means of its inputs and as what is
-//! left of them, the second as the size of mixtures of the latter.
+//! First weights that hear fast and small changes: the first layer begins as slow means of its inputs and as the rest
+//! of them, the second as the size of mixtures of the latter.
 //!
-//! Drawn weights find friction and stiffness, which are in slow readings. A relief is in fast ones, weaker than noise in
-//! one taxel, and only its size tells: that takes a difference and an even function, which training did not find by itself.
+//! Drawn weights find friction and stiffness, which are in slow readings. A relief is in fast ones, weaker than noise
+//! in one taxel, and only its size tells: that takes a difference and an even function, which training did not find by
+//! itself.
 
 use palpate_core::random::RandomStream;
 
-/// What the slow means are scaled by, so that tanh hardly bends them.
+/// Scale of the slow means, so that tanh hardly bends them.
 const SMALL: f64 = 0.05;
 /// Steps that a slow mean remembers.
 const SLOW_STEPS: f64 = 4.0;
 /// Bias that holds a gate open (or, negative, shut).
 const OPEN: f64 = 3.0;
-/// What is left of other weights of those units.
+/// Factor on the other weights of those units.
 const FAINT: f64 = 0.1;
 /// Mixtures of fast inputs whose size is taken, and the length of their weights.
 const MIXTURES: usize = 48;
@@ -45,7 +46,7 @@ impl Layer<'_> {
     }
 }
 
-/// As many inputs as have a slow and a fast unit each in the first layer.
+/// Number of inputs that have a slow and a fast unit each in the first layer.
 fn paired(inputs: usize, units: usize) -> usize {
     inputs.min(units / 2)
 }
@@ -75,8 +76,8 @@ pub fn high_pass(mut layer: Layer<'_>) {
     }
 }
 
-/// The second layer, over a first one of `first_inputs` inputs: mixtures of its fast units open their own update gate, so
-/// that one sign counts more than the other, and what stays is their size.
+/// Fills the second layer, over a first one of `first_inputs` inputs: mixtures of its fast units open their own update
+/// gate, so that one sign counts more than the other, and their size stays.
 pub fn sizes(mut layer: Layer<'_>, first_inputs: usize, stream: &mut RandomStream) {
     let [update, new] = [1, 2];
     let count = paired(first_inputs, layer.inputs);

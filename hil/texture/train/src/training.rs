@@ -23,17 +23,17 @@ use crate::windows::{Place, Split, Windows, shuffle};
 
 /// Rows between the beginnings of the windows that validation takes.
 const VALIDATION_HOP: usize = 4;
-/// The same over hundreds of materials, each of which says little more with every window.
+/// Rows between validation windows over hundreds of materials, each of which says little more with every window.
 pub const MATERIALS_HOP: usize = 20;
 
-/// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own is 1e-5.
+/// Constant added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own is 1e-5.
 const EPSILON: f32 = 1e-7;
 
-/// Where trained networks are measured, whatever they were trained on: it is what the engine of `core` agrees with.
+/// Backend on which trained networks are measured, whatever they were trained on: the engine of `core` agrees with it.
 pub type Plain = NdArray;
 
 /// Trains, from the checkpoint in `folder` if there is one for these settings. `report` hears of every epoch and
-/// says whether to go on.
+/// returns whether to go on.
 pub fn train(
     plain: &Windows,
     split: &Split,
@@ -133,7 +133,7 @@ fn train_on<L: Learning>(
     Ok((carried(state.best, plain)?, state.progress))
 }
 
-/// What stays from epoch to epoch.
+/// Parameters that stay from epoch to epoch.
 struct Lesson<'a, L: Learning> {
     windows: &'a Windows,
     aims: Option<Aims>,
@@ -143,7 +143,7 @@ struct Lesson<'a, L: Learning> {
 }
 
 impl<L: Learning> Lesson<'_, L> {
-    /// One epoch over its share of the training windows; the mean loss while it ran.
+    /// Runs one epoch over its share of the training windows. Returns the mean loss while it ran.
     fn epoch<O: Optimizer<Network<L>, L>>(&self, state: &mut State<L, O>, places: &[Place]) -> f64 {
         let (settings, epochs) = (self.settings, state.progress.epochs);
         let mut order = places.to_vec();
@@ -169,7 +169,7 @@ impl<L: Learning> Lesson<'_, L> {
         sum / order.len() as f64
     }
 
-    /// What is to fall over a batch: the weighted reconstruction error, and the miss of what is known of its labels.
+    /// Loss over a batch: the weighted reconstruction error, and the miss of the aims of its labels.
     fn loss<B: Recurrent>(
         &self,
         network: &Network<B>,
@@ -193,7 +193,7 @@ impl<L: Learning> Lesson<'_, L> {
         }
     }
 
-    /// The same while encoder and decoder learn apart from each other.
+    /// Loss over a batch while encoder and decoder learn apart from each other.
     fn guided(
         &self,
         (network, guide): (&Network<L>, &Guide),
@@ -214,7 +214,7 @@ impl<L: Learning> Lesson<'_, L> {
         self.aims.as_ref()?.miss(z, self.windows, batch)
     }
 
-    /// The mean loss over windows.
+    /// Mean loss over windows.
     fn judged<B: Recurrent>(&self, network: &Network<B>, places: &[Place]) -> f64 {
         let mut sum = 0.0;
         for some in places.chunks(256) {

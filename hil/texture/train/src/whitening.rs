@@ -1,4 +1,4 @@
-//! Inputs brought to one scale: what changes from row to row, equally strong in every direction and independent.
+//! Inputs brought to one scale: changes from row to row, equally strong in every direction and independent.
 //!
 //! A relief shakes each taxel by a few counts, while impact and grip move all of them together by hundreds. The network
 //! learns from whitened readings; its first weights then take the whitening into themselves, so that it runs on plain
@@ -25,7 +25,7 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// Of the changes from row to row in these recordings, after their first window, which has the impact.
+    /// Whitening of the changes from row to row in these recordings, after their first window, which has the impact.
     pub fn new(windows: &Windows, part: &[usize]) -> Self {
         let features = windows.scale.min.len();
         let mut sum = Array2::<f64>::zeros((features, features));
@@ -56,7 +56,7 @@ impl Whitening {
         }
     }
 
-    /// The same windows, whitened: their ranges are 0 to 1.
+    /// Whitens windows: their ranges are 0 to 1 then.
     pub fn whitened(&self, windows: &Windows) -> Windows {
         let features = windows.scale.min.len();
         let of = |recording: &Recording| {

@@ -1,4 +1,4 @@
-//! From recordings to what the network sees: split by recording, scaled by feature, cut into windows less their first
+//! Input of the network, from recordings: split by recording, scaled by feature, cut into windows less their first
 //! sample.
 
 use burn::prelude::*;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::recordings::{Recording, Recordings};
 
-/// Which recordings, by index, are for what. No recording is in two parts.
+/// Recordings by purpose, as indices. No recording is in two parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Split {
     pub train: Vec<usize>,
@@ -58,7 +58,7 @@ impl Split {
         split
     }
 
-    /// Draws whole labels, each with the chance of its share: what is learned of materials is tested on others.
+    /// Draws whole labels, each with the chance of its share: a model of materials is tested on others.
     pub fn by_label(
         recordings: &Recordings,
         seen: impl Fn(&str) -> bool,
@@ -83,7 +83,7 @@ impl Split {
     }
 }
 
-/// Fisher and Yates, from a seeded stream.
+/// Shuffles items from a seeded stream (Fisher and Yates).
 pub fn shuffle<T>(items: &mut [T], stream: &mut RandomStream) {
     for last in (1..items.len()).rev() {
         let other = (stream.uniform() * (last + 1) as f64) as usize;
@@ -99,7 +99,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Of these recordings. A feature that never changes gets a span of one count: it is zero wherever it stays so.
+    /// Scale of these recordings. A feature that never changes gets a span of one count: it is zero wherever it stays
+    /// so.
     pub fn new(recordings: &Recordings, part: &[usize]) -> Self {
         let features = recordings.columns.len();
         let (mut min, mut max) = (
@@ -131,7 +132,7 @@ pub struct Place {
     pub row: usize,
 }
 
-/// Recordings, their scale, and how long a window is.
+/// Recordings, their scale, and the length of a window.
 pub struct Windows {
     pub recordings: Recordings,
     pub scale: Scale,
@@ -158,7 +159,7 @@ impl Windows {
             [..self.length * features]
     }
 
-    /// What the network sees of a window's row: each reading less the first row's, in shares of its feature's range.
+    /// Row of a window as the network sees it: each reading less the first row's, in shares of its feature's range.
     pub fn scaled(&self, place: Place, step: usize) -> impl Iterator<Item = f32> {
         let (raw, scale) = (self.raw(place), &self.scale);
         let features = scale.min.len();
@@ -168,7 +169,7 @@ impl Windows {
         changes.zip(spans).map(|(change, span)| change / span)
     }
 
-    /// What the network sees of windows, time-major: `[length, places, features]`.
+    /// Windows as the network sees them, time-major: `[length, places, features]`.
     pub fn batch<B: Backend>(&self, places: &[Place], device: &B::Device) -> Tensor<B, 3> {
         let features = self.recordings.columns.len();
         let mut values = Vec::with_capacity(self.length * places.len() * features);

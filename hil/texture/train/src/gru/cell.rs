@@ -1,6 +1,6 @@
 //! The layer written with the framework's own operations: one product for the three gates of a step.
 //!
-//! What graphics cards run, and what [`super::fused`] is held against: its gradient is the framework's.
+//! Graphics cards run it, and tests compare [`super::fused`] with it: its gradient is the framework's.
 
 use burn::prelude::*;
 use burn::tensor::activation::sigmoid;

@@ -17,7 +17,7 @@ pub struct Flat {
     pub bias_hh: Vec<f32>,
 }
 
-/// What the backward pass needs of the forward one: the hidden states [steps * batch, H], and for each of them the
+/// Values of the forward pass for the backward one: the hidden states [steps * batch, H], and for each of them the
 /// gates r, z, n and the recurrent part of n before its gate, [steps * batch, 4H].
 #[derive(Debug)]
 pub struct Trace {
@@ -28,7 +28,7 @@ pub struct Trace {
 /// Gradients of a layer.
 #[derive(Debug)]
 pub struct Gradients {
-    /// With respect to the input [steps * batch, I], if it was asked for.
+    /// Gradient by the input [steps * batch, I], if it was asked for.
     pub input: Option<Vec<f32>>,
     pub weights: Flat,
 }
@@ -46,7 +46,7 @@ fn product(a: &ArrayView2<'_, f32>, b: &ArrayView2<'_, f32>, mut to: Vec<f32>) -
     to
 }
 
-/// A row over and over.
+/// Repeats a row.
 fn rows_of(row: &[f32], count: usize) -> Vec<f32> {
     row.iter()
         .copied()
@@ -83,7 +83,7 @@ fn tanh(x: f32) -> f32 {
     1.0 - 2.0 / (1.0 + exp(2.0 * x))
 }
 
-/// The gates that lie beside each other in a row, `units` each.
+/// Gates that lie side by side in a row, `units` each.
 #[inline(always)]
 fn parts<const N: usize>(row: &[f32], units: usize) -> [&[f32]; N] {
     core::array::from_fn(|part| &row[part * units..][..units])
@@ -243,8 +243,8 @@ pub fn backward(
     }
 }
 
-/// One step back: `carried` comes in as the gradient from the step after and leaves as the part that goes round the
-/// gates; the caller adds what goes through them.
+/// Goes one step back: `carried` comes in as the gradient from the step after and leaves as the part that goes round
+/// the gates; the caller adds the part that goes through them.
 #[inline(always)]
 fn ungate_all(
     units: usize,

@@ -1,4 +1,4 @@
-//! The layer as an operation of the framework: what autodiff calls forward and backward.
+//! The layer as an operation of the framework, with the forward and backward passes that autodiff calls.
 
 use std::sync::Arc;
 

@@ -17,14 +17,14 @@ pub struct Panels {
 }
 
 impl Panels {
-    /// Of a row-major matrix [depth, columns].
+    /// Panels of a row-major matrix [depth, columns].
     pub fn new(matrix: &[f32], columns: usize) -> Self {
         Self::of(matrix.len() / columns, columns, |k, c| {
             matrix[k * columns + c]
         })
     }
 
-    /// Of the transpose of a row-major matrix [columns, depth].
+    /// Panels of the transpose of a row-major matrix [columns, depth].
     pub fn transposed(matrix: &[f32], depth: usize) -> Self {
         Self::of(depth, matrix.len() / depth, |k, c| matrix[c * depth + k])
     }
@@ -75,7 +75,7 @@ impl Panels {
                 }
             }
         }
-        // Rows that are left go by themselves, through as many panels at once.
+        // The remaining rows go one by one, through as many panels at once.
         let rows = ones.chunks_exact(self.depth);
         for (row, to) in rows.zip(to_ones.chunks_exact_mut(self.columns)) {
             let panels = self.values.chunks(ROWS * self.depth);
