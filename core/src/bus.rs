@@ -8,9 +8,9 @@ use crate::units::Instant;
 /// A frame as it came off a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received {
-    /// When it was received: the end of the frame on the bus.
+    /// Reception time: the end of the frame on the bus.
     pub at: Instant,
-    /// Which of the bench's buses it came from, zero-based.
+    /// Index of the bus that carried it among the bench's buses, zero-based.
     pub bus: u8,
     /// The frame.
     pub frame: CanFrame,
@@ -27,7 +27,7 @@ pub trait CanBus {
     /// Takes every frame that has come, the oldest first. A bus that has them at hand saves a call per frame.
     ///
     /// # Errors
-    /// The bus's first; the frames before it have been taken.
+    /// The first error of the bus; the frames before it have been taken.
     fn receive_all(&mut self, take: &mut impl FnMut(&Received)) -> Result<(), Self::Error>
     where
         Self: Sized,

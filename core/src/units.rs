@@ -14,28 +14,28 @@ impl Duration {
     /// No time at all.
     pub const ZERO: Self = Self(0);
 
-    /// From microseconds.
+    /// Converts microseconds.
     pub const fn from_micros(us: u64) -> Self {
         Self(us)
     }
 
-    /// From milliseconds; saturates at the largest representable span.
+    /// Converts milliseconds; saturates at the largest representable span.
     pub const fn from_millis(ms: u64) -> Self {
         Self(ms.saturating_mul(1000))
     }
 
-    /// In microseconds.
+    /// Length in microseconds.
     pub const fn as_micros(self) -> u64 {
         self.0
     }
 
-    /// In seconds, for display and physics.
+    /// Length in seconds, for display and physics.
     pub const fn as_secs_f64(self) -> f64 {
         self.0 as f64 * 1e-6
     }
 }
 
-/// Whole microseconds; what is finer is cut off, and what is longer than all time saturates.
+/// Converts to whole microseconds: fractions are cut off, and a time longer than the range saturates.
 impl From<core::time::Duration> for Duration {
     fn from(span: core::time::Duration) -> Self {
         Self(u64::try_from(span.as_micros()).unwrap_or(u64::MAX))
@@ -60,7 +60,7 @@ impl Instant {
     /// Later than every run: "no deadline".
     pub const FAR_FUTURE: Self = Self(u64::MAX);
 
-    /// From microseconds since the start of the run.
+    /// Instant from microseconds since the start of the run.
     pub const fn from_micros(us: u64) -> Self {
         Self(us)
     }
@@ -148,7 +148,7 @@ impl Ticks {
     }
 }
 
-/// What counts the ticks of a board: the chip's own oscillator, or a clock of stated tolerance on its EXTCLK pin.
+/// Source of a board's ticks: the chip's own oscillator, or a clock of stated tolerance on its EXTCLK pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Clock {
     hz: u32,
@@ -183,7 +183,7 @@ impl Clock {
         self.hz
     }
 
-    /// How far an external clock may be from it, parts per million; `None` for the internal oscillator.
+    /// Tolerance of an external clock, parts per million; `None` for the internal oscillator.
     pub const fn tolerance_ppm(self) -> Option<u32> {
         self.tolerance_ppm
     }
@@ -203,7 +203,7 @@ impl Prescale {
     /// The smallest value the chip accepts (data sheet 7.3.5).
     pub const MIN: Self = Self::new(3);
 
-    /// From a register value, on the internal oscillator; the chip clamps to 3 and so do we.
+    /// Prescale from a register value, on the internal oscillator; the chip clamps to 3, and so does this.
     pub const fn new(pre: u8) -> Self {
         Self {
             pre: if pre < 3 { 3 } else { pre },
@@ -211,7 +211,7 @@ impl Prescale {
         }
     }
 
-    /// The same divider of another clock.
+    /// Returns this divider with another clock.
     #[must_use]
     pub const fn with_clock(self, clock: Clock) -> Self {
         Self { clock, ..self }
@@ -271,7 +271,7 @@ impl Prescale {
 pub struct Milliamps(pub u32);
 
 impl Milliamps {
-    /// In amperes.
+    /// Current in amperes.
     pub fn amps(self) -> f64 {
         f64::from(self.0) * 1e-3
     }

@@ -20,7 +20,7 @@ impl Vectors {
         Self(Arch::new())
     }
 
-    /// Those of 256 bits (AVX2 and FMA), where there are any: what wider ones are compared with.
+    /// Vectors of 256 bits (AVX2 and FMA), where there are any: the reference for wider ones.
     pub fn of_256_bits() -> Self {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         return Self(V3::try_new().map_or(Arch::Scalar, Arch::V3));
@@ -28,12 +28,12 @@ impl Vectors {
         Self::widest()
     }
 
-    /// None beyond what every machine of this target has: what the wide ones are tested against.
+    /// Vectors that every machine of this target has: the reference for wider ones.
     pub const fn plain() -> Self {
         Self(Arch::Scalar)
     }
 
-    /// What they are called.
+    /// Name of the instruction set.
     pub const fn name(self) -> &'static str {
         match self.0 {
             Arch::Scalar => "plain",
@@ -75,8 +75,8 @@ impl Vectors {
         self.0.dispatch(kernel)
     }
 
-    /// The same with all the width there is: for the texture encoder, which takes half the time so. (K-means of 2000 points
-    /// would take 0.7 of its time, a dozen taxels and the exact solver the same within an eighth.)
+    /// Runs a kernel with all the width there is: for the texture encoder, which takes half the time so. (K-means of
+    /// 2000 points would take 0.7 of its time, a dozen taxels and the exact solver the same within an eighth.)
     #[inline(always)]
     pub fn dispatch_widest<W: WithSimd>(self, kernel: W) -> W::Output {
         #[cfg(target_arch = "wasm32")]

@@ -16,7 +16,7 @@ pub mod time;
 pub mod unit;
 pub mod worn;
 
-/// What a bench is made of crosses to another thread: checked when this crate is compiled.
+/// Checks, as this crate is compiled, that the parts of a bench can cross to another thread.
 const _: () = {
     const fn crosses<T: Send>() {}
     crosses::<worn::WornDisplay>();

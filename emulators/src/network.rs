@@ -9,7 +9,7 @@ use crate::time::Nanos;
 /// Parts of a million.
 const MILLION: f64 = 1e6;
 
-/// What a network does to datagrams, the same both ways.
+/// Delays, losses and duplicates of a network, the same both ways.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     /// One-way times, microseconds: the least, then those that 50, 95 and 99 of 100 do not exceed, and the most.
@@ -43,8 +43,8 @@ impl Profile {
         twice_ppm: 1000,
     };
 
-    /// The same with a radio and air that are worse: u-blox ODIN-W2, 4.225, 5.676, 15.577, 108.909 and 1835.662 ms, 1.86 %
-    /// lost, up to 86 in a row (the same source, `odin1.pdf`).
+    /// A Wi-Fi microcontroller with a worse radio in worse air: u-blox ODIN-W2, 4.225, 5.676, 15.577, 108.909 and
+    /// 1835.662 ms, 1.86 % lost, up to 86 in a row (the same source, `odin1.pdf`).
     pub const ROUGH: Self = Self {
         delay_us: [2112, 2838, 7788, 54_454, 917_831],
         loss_ppm: 18_600,
@@ -99,7 +99,7 @@ impl Way {
         self.profile = profile;
     }
 
-    /// Cuts the way, or opens it again. What already flies lands.
+    /// Cuts the way, or opens it again. Datagrams on their way still land.
     pub const fn set_cut(&mut self, cut: bool) {
         self.cut = cut;
     }
@@ -134,7 +134,7 @@ impl Way {
         }
     }
 
-    /// When the next datagram lands.
+    /// Time at which the next datagram lands.
     pub fn next(&self) -> Option<Nanos> {
         self.flying.iter().map(|f| f.lands).min()
     }

@@ -12,7 +12,7 @@ impl Nanos {
     /// Later than every run.
     pub const MAX: Self = Self(u64::MAX);
 
-    /// From microseconds; saturates.
+    /// Converts microseconds; saturates.
     pub const fn from_micros(us: u64) -> Self {
         Self(us.saturating_mul(1000))
     }
@@ -22,7 +22,7 @@ impl Nanos {
         self.0 / 1000
     }
 
-    /// In seconds, for physics.
+    /// Time in seconds, for physics.
     pub const fn as_secs_f64(self) -> f64 {
         self.0 as f64 * 1e-9
     }

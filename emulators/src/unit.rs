@@ -15,7 +15,7 @@ use crate::display::i2c::I2cHandle;
 use crate::network::{Profile, Way};
 use crate::time::Nanos;
 
-/// Where the unit's clock stands when the run begins, microseconds: it was switched on before.
+/// Reading of the unit's clock at the start of the run, microseconds: the unit was switched on before.
 const HEAD_START_US: u64 = 5_000_000;
 
 /// The crystal of a unit.
@@ -30,13 +30,13 @@ impl Crystal {
         1_000_000 + i128::from(self.ppm)
     }
 
-    /// What the unit's clock shows.
+    /// Reading of the unit's clock at a time of the run.
     pub fn shows(self, at: Nanos) -> Instant {
         let passed = i128::from(at.0) * self.rate() / 1_000_000_000;
         Instant::from_micros(HEAD_START_US + passed as u64) // a positive rate keeps it positive
     }
 
-    /// When it first shows that.
+    /// First time at which the unit's clock shows this.
     pub fn when(self, shown: Instant) -> Nanos {
         let passed = i128::from(shown.as_micros().saturating_sub(HEAD_START_US));
         let rate = self.rate();
@@ -76,7 +76,7 @@ impl OutputPin for OeLine {
     }
 }
 
-/// What has landed at the unit, and what it sends.
+/// Datagrams that have landed at the unit, and those that it sends.
 #[derive(Debug, Default)]
 struct Radio {
     landed: VecDeque<Vec<u8>>,
@@ -106,7 +106,7 @@ pub struct EmulatedUnit<I, P, T = NoModule> {
     there: Way,
     back: Way,
     radio: Radio,
-    /// When its program last ran.
+    /// Time at which the unit's program last ran.
     now: Nanos,
 }
 
@@ -114,7 +114,7 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
     /// A unit that begins at once.
     ///
     /// # Errors
-    /// What no unit can be.
+    /// [`SettingsError`] for settings that no unit can have.
     pub fn new(
         settings: &Settings<'_>,
         lines: (I, P),
@@ -126,10 +126,10 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
 }
 
 impl<I: I2c, P: OutputPin, T: Module> EmulatedUnit<I, P, T> {
-    /// The same with a Peltier module, if there is one.
+    /// A unit with a Peltier module, if there is one, that begins at once.
     ///
     /// # Errors
-    /// What no unit can be.
+    /// [`SettingsError`] for settings that no unit can have.
     pub fn warming(
         settings: &Settings<'_>,
         lines: (I, P),
@@ -154,7 +154,7 @@ impl<I: I2c, P: OutputPin, T: Module> EmulatedUnit<I, P, T> {
         &self.unit
     }
 
-    /// Its clock's crystal.
+    /// Crystal of the unit's clock.
     pub const fn crystal(&self) -> Crystal {
         self.crystal
     }
@@ -186,7 +186,7 @@ impl<I: I2c, P: OutputPin, T: Module> EmulatedUnit<I, P, T> {
         self.back.land(now)
     }
 
-    /// When something happens next: a datagram lands at either end, or the unit's program is due.
+    /// Time of the next event: a datagram lands at either end, or the unit's program is due.
     pub fn next(&self) -> Nanos {
         let due = self.crystal.when(self.unit.next()).max(self.now + Nanos(1));
         let landing = [self.there.next(), self.back.next()];
@@ -215,7 +215,7 @@ impl<I: I2c, P: OutputPin, T: Module> EmulatedUnit<I, P, T> {
     /// Switches the unit off and on: its program begins anew with another first challenge.
     ///
     /// # Errors
-    /// What no unit can be.
+    /// [`SettingsError`] for settings that no unit can have.
     pub fn reset(&mut self, settings: &Settings<'_>, bus: I, cut: P) -> Result<(), SettingsError> {
         self.unit = Unit::warming(settings, (bus, cut), None)?;
         self.unit.start(self.crystal.shows(self.now));

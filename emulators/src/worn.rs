@@ -33,10 +33,10 @@ use wearing::Wearing;
 /// Tissue temperature from which everything starts, degrees C.
 pub const START_C: f64 = 33.0;
 
-/// Where a wire is and what drives it.
+/// Place of a wire, and the channel that drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WirePlace {
-    /// On the unrolled display, mm.
+    /// Place on the unrolled display, mm.
     pub at: Point,
     /// Index of its chip.
     pub board: u8,
@@ -44,7 +44,7 @@ pub struct WirePlace {
     pub channel: u8,
 }
 
-/// How a display is built.
+/// Settings of a display.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayConfig {
     /// 7-bit address and oscillator factor of each chip.
@@ -56,11 +56,11 @@ pub struct DisplayConfig {
     pub wires: Vec<WirePlace>,
     /// The amplifiers.
     pub amplifier: AmplifierConfig,
-    /// What feeds them all.
+    /// Supply of all amplifiers.
     pub source: SupplySource,
     /// Every wire's parameters.
     pub wire: WireParameters,
-    /// The finger's.
+    /// Parameters of the finger's tissue.
     pub tissue: TissueParameters,
     /// I2C clock.
     pub clock: BusClock,
@@ -69,7 +69,7 @@ pub struct DisplayConfig {
 /// An edge of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutputEdge {
-    /// When.
+    /// Time of the edge.
     pub at: Nanos,
     /// Index of the chip.
     pub board: u8,
@@ -84,9 +84,9 @@ pub struct OutputEdge {
 pub struct Flow {
     /// The wire, in the display's order.
     pub wire: usize,
-    /// From when.
+    /// Start.
     pub from: Nanos,
-    /// Until when.
+    /// End.
     pub to: Nanos,
     /// Electrical power between the wire's terminals, W.
     pub watts: f64,
@@ -95,7 +95,7 @@ pub struct Flow {
 /// The finger at one instant, worst over its wires.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThermalSample {
-    /// When.
+    /// Time of the sample.
     pub at: Nanos,
     /// Hottest wire since the sample before, degrees C.
     pub wire_c: f64,
@@ -117,7 +117,7 @@ pub struct WornDisplay {
     stage: Stage,
     source: SupplySource,
     supply: Supply,
-    /// One a wire, in their order.
+    /// Load of each wire, in their order.
     loads: Vec<Load>,
     places: Vec<WirePlace>,
     parameters: WireParameters,
@@ -129,7 +129,7 @@ pub struct WornDisplay {
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
-    /// What flows in each wire, and since when.
+    /// By wire: start of the present stretch of current, and its electrical power, W.
     flowing: Vec<(Nanos, f64)>,
     /// Kept only where a caller takes them: an emulator may be served for days.
     flows: Option<Vec<Flow>>,
@@ -150,11 +150,11 @@ impl WornDisplay {
         Self::on(&rack, &whole.collect::<Vec<_>>(), config)
     }
 
-    /// The same on chips that other displays use too: for each of its boards the place on the rack's bus, and a bit for
-    /// each channel that is its own. `boards` and `clock` of `config` are the rack's to say.
+    /// Builds a display on chips that other displays use too: for each of its boards the place on the rack's bus, and a
+    /// bit for each channel of the display. `boards` and `clock` of `config` are the rack's to say.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// [`ParameterError`] for a physical parameter that cannot be computed with, by name.
     pub fn on(
         rack: &Rack,
         boards: &[(usize, u16)],
@@ -193,7 +193,7 @@ impl WornDisplay {
         self.chips.bus()
     }
 
-    /// How far its bus is: a transaction carries it beyond the time of the displays on it.
+    /// Time of the display's bus: a transaction carries it beyond the time of the displays on it.
     pub fn bus_now(&self) -> Nanos {
         self.chips.bus_now()
     }
@@ -308,7 +308,7 @@ impl WornDisplay {
         self.flows.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// How warm the finger was since the last sample; `None` without wires.
+    /// Temperatures of the finger since the last sample; `None` without wires.
     pub fn sample(&mut self) -> Option<ThermalSample> {
         let now = self.now;
         let mut integrals = Vec::with_capacity(self.worn.wires.len());
@@ -359,7 +359,7 @@ impl WornDisplay {
         })
     }
 
-    /// From now on a face of this temperature, degrees C, is on the skin under the wires.
+    /// Puts a face of this temperature, degrees C, on the skin under the wires from now on.
     pub fn warm(&mut self, face_c: f64) {
         self.warmed.get_or_insert_default().set(self.now, face_c);
     }
@@ -423,19 +423,20 @@ impl WornDisplay {
         self.others.iter_mut().for_each(|o| o.settle(self.now));
     }
 
-    /// What a person met since the last onset, felt or not, and begins the next one. `None` where no wire moved or no person
-    /// wears the display.
+    /// Takes the stimulus that a person met since the last onset, felt or not, and begins the next one. `None` where no
+    /// wire moved or no person wears the display.
     pub fn onset(&mut self) -> Option<Felt> {
         self.worn.onset(self.now)
     }
 
-    /// The same of the wires beside, in the order in which they were put there.
+    /// Takes the stimuli of the wires beside since the last onset, in
+    /// the order in which they were put there, and begins the next one.
     pub fn other_onsets(&mut self) -> impl Iterator<Item = Option<Felt>> + '_ {
         let now = self.now;
         self.others.iter_mut().map(move |other| other.onset(now))
     }
 
-    /// What the run came to until now.
+    /// Totals of the run until now.
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);
         let totals = DisplayTotals::of(&mut self.worn.wires, &Peaks::NONE, peak_supply, now);

@@ -44,7 +44,7 @@ pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString
     }
 }
 
-/// Prints what a command line comes to that starts nothing, help or what is wrong with it; the exit status.
+/// Prints the help or the error of a command line that starts nothing; returns the exit status.
 pub fn told(error: &clap::Error) -> u8 {
     let printed = error.print().and_then(|()| io::stdout().flush());
     match printed {
@@ -101,7 +101,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
     .map(|()| 0)
 }
 
-/// What an error message starts with; the bytes are those of clap's own errors.
+/// Start of an error message: the bytes are those of clap's own errors.
 fn prefix(color: Color) -> &'static str {
     if color.on(&io::stderr()) {
         "\x1b[1m\x1b[31merror:\x1b[0m"

@@ -28,7 +28,7 @@ pub enum Half {
 }
 
 impl Half {
-    /// The first one's place in the triangle, and the taxels from there on.
+    /// Place of the half's first taxel in the triangle, and the half's taxels.
     pub fn taxels(&self) -> (u16, &[u8]) {
         match self {
             Self::First(taxels) => (0, taxels),
@@ -54,7 +54,7 @@ pub fn id(board: u8, triangle: u8) -> Option<u16> {
     fits.then(|| CLASS | u16::from(board) << 4 | u16::from(triangle))
 }
 
-/// Board and triangle that send under an identifier; `None` for what is no skin data's.
+/// Board and triangle that send under an identifier; `None` for an identifier outside skin data.
 pub fn sender(id: u16) -> Option<(u8, u8)> {
     (id & 0x700 == CLASS).then_some(((id >> 4 & 0xF) as u8, (id & 0xF) as u8))
 }

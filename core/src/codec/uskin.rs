@@ -53,7 +53,7 @@ impl<'a> Raw<'a> {
     }
 }
 
-/// Where a sensor chip hangs on its board.
+/// Place of a sensor chip on its board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ChipPlace {
     /// SDA line, 0 ..= 7.
@@ -77,7 +77,7 @@ pub const fn sender(id: u16) -> (u8, ChipPlace) {
     ((id & 0xF) as u8, place)
 }
 
-/// What a host tells a board. Boards do not answer.
+/// Command of a host to a board. Boards do not answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Command {
     /// The board spoken to, 0 ..= 14, or [`ALL_BOARDS`].
@@ -87,7 +87,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// Whether board `c` is meant.
+    /// Tells whether the command is meant for board `c`.
     pub const fn is_for(self, c: u8) -> bool {
         self.board == ALL_BOARDS || self.board == c
     }
@@ -109,11 +109,11 @@ pub struct Data {
     pub board: u8,
     /// The chip on that board.
     pub place: ChipPlace,
-    /// Its three axes.
+    /// Reading of the taxel's three axes.
     pub reading: Reading,
 }
 
-/// What a frame means.
+/// Meaning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Message {
     /// A taxel reading.
@@ -170,7 +170,7 @@ pub fn data_frame(id: u16, reading: Reading) -> Option<CanFrame> {
     CanFrame::new(id, &[HEAD, xh, xl, yh, yl, zh, zl, TAIL])
 }
 
-/// How one board's taxels are wired: rows are SDA lines, columns are chips counted from the right.
+/// Wiring of one board's taxels: rows are SDA lines, columns are chips counted from the right.
 ///
 /// A second module on the same board has its chips from 8 on (seen: SDA 0 and 1 with chips 0 to 3 and
 /// 8 to B).

@@ -27,9 +27,9 @@ pub struct Compressor {
     solver: LevelSolver,
     intensities: Vec<f32>,
     contacts: Vec<Contact>,
-    /// Whether every group would find the same once more.
+    /// `true` where every group would find the same contacts again in the same frame.
     settled: bool,
-    /// Whether no group has a contact.
+    /// `true` where the last frame had no taxel in contact.
     resting: bool,
     work: Work,
 }
@@ -85,19 +85,20 @@ impl Compressor {
         })
     }
 
-    /// The contacts of a frame, scope after scope.
+    /// Compresses a frame into contacts, scope after scope.
     ///
     /// # Errors
-    /// A frame of another layout; the contacts are as before then.
+    /// [`FrameError`] for a frame of another layout; the contacts are as before then.
     pub fn compress(&mut self, frame: &RelativeFrame) -> Result<&[Contact], FrameError> {
         self.compress_with(frame, |groups, locate| groups.iter_mut().for_each(locate))
     }
 
-    /// As [`Compressor::compress`], to the bit, with the scopes found by `spread`: it calls the function it gets
-    /// once for every group, in any order and on any threads. A skin that stays untouched needs no call of it.
+    /// Compresses a frame with the same result as [`Compressor::compress`], to the
+    /// bit, on the threads of `spread`. It calls the function that it gets once for
+    /// every group, in any order. A skin that stays untouched needs no call of it.
     ///
     /// # Errors
-    /// As [`Compressor::compress`].
+    /// The errors of [`Compressor::compress`].
     pub fn compress_with(
         &mut self,
         frame: &RelativeFrame,
@@ -141,7 +142,7 @@ impl Compressor {
         self.settled
     }
 
-    /// Identities of a scope's new places. `moved_freely`: their order says nothing about who they were.
+    /// Gives identities to a scope's new places. With `moved_freely` their order says nothing about who they were.
     fn name(&mut self, g: usize, moved_freely: bool) {
         let group = &mut self.groups[g];
         let count_stays = group.places.len() == group.old_places.len();
@@ -225,7 +226,7 @@ impl Compressor {
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
-    /// What was done and left out so far.
+    /// Work that was done and left out so far.
     pub fn work(&self) -> Work {
         let mut work = self.work;
         self.groups.iter().for_each(|g| work.add(&g.work));

@@ -8,8 +8,8 @@ pub(super) const FEW: usize = 16;
 
 type Row = [f64; FEW];
 
-/// Where each of `k` clusters of `n` sorted values starts, from prefix sums of values and squares over the first
-/// i values; of equal splits the lowest. n is 1 to [`FEW`], k 1 to n.
+/// Start of each of the `k` clusters of `n` sorted values, from prefix sums of values and squares over the first i
+/// values. Of equal splits the lowest is taken. n is 1 to [`FEW`], k 1 to n.
 pub(super) fn starts(vectors: Vectors, sum: &[f64], square: &[f64], k: usize) -> [usize; FEW] {
     vectors.run(
         #[inline(always)]

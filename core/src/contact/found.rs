@@ -1,4 +1,4 @@
-//! What compression finds, and what it took.
+//! Results of compression: contacts, and the work that they took.
 
 use crate::units::Point;
 
@@ -9,7 +9,7 @@ pub struct Contact {
     pub id: u32,
     /// Module, zero-based; with [`Scope::Skin`](super::Scope::Skin) that of the member taxel nearest to the place.
     pub module: u16,
-    /// Where, mm: module coordinates, with [`Scope::Skin`](super::Scope::Skin) the skin's.
+    /// Place, mm: in module coordinates, or with [`Scope::Skin`](super::Scope::Skin) in the skin's.
     pub place: Point,
     /// Magnitude of the relative frame there (4.9), raw counts; finite, never negative.
     pub intensity: f32,
@@ -19,7 +19,7 @@ pub struct Contact {
     pub members: u32,
 }
 
-/// What the compressor did so far: its work, and what it could leave out.
+/// Work of the compressor so far, done and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Frames compressed.
@@ -36,11 +36,11 @@ pub struct Work {
     pub means: u64,
     /// K-means solves.
     pub solves: u64,
-    /// Of these, seeded by k-means++.
+    /// K-means solves seeded by k-means++.
     pub seeded: u64,
     /// Assignments of all solves.
     pub iterations: u64,
-    /// Passes over the points made for them; the others were known to change nothing.
+    /// Passes over the points that these assignments took; the others were known to change nothing.
     pub passes: u64,
 }
 

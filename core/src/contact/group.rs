@@ -47,7 +47,7 @@ impl Shared {
     }
 }
 
-/// How the contacts of a frame came about, which is what naming them depends on.
+/// Origin of a frame's contacts, which decides how they are named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// No taxel in contact.
@@ -56,7 +56,7 @@ pub(super) enum Step {
     Repeated,
     /// Taxels passed through; their order says nothing about who they were.
     Passed,
-    /// Clusters; their index is their identity as long as their number stays.
+    /// Clusters: a cluster's index is its identity as long as their number stays.
     Clustered,
 }
 
@@ -89,11 +89,11 @@ pub struct Group {
     pub(super) old_places: Vec<(f32, f32)>,
     pub(super) old_ids: Vec<u32>,
     pub(super) contacts: Vec<Contact>,
-    /// Whether the same frame would give the same contacts.
+    /// `true` where the same frame would give the same contacts.
     pub(super) settled: bool,
     pub(super) work: Work,
     memory: Memory,
-    /// Whether the places are the K-means solver's centroids.
+    /// `true` where the places are the K-means solver's centroids.
     clustered: bool,
     stream: RandomStream,
     x: Vec<f32>,

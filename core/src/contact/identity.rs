@@ -1,4 +1,4 @@
-//! Who is who: contacts of this frame to those of the last.
+//! Matching of the contacts of this frame to those of the last.
 //!
 //! Rule: a contact at the very place of an old one is that one. Then, again and again, the closest pair of an old
 //! and a new contact still free is one contact; of equal distances the lowest old, then the lowest new index.

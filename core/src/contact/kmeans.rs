@@ -29,45 +29,47 @@ impl Points<'_> {
         self.x.len().min(self.y.len()).min(self.w.len())
     }
 
-    /// Whether there is none.
+    /// Tells whether there is no point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// When to stop.
+/// Stopping rule of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// zeta_C of (4.8), mm: half the summed moves of the centroids at or below which iteration ends.
     pub tolerance: f32,
-    /// At most this many updates.
+    /// Largest number of updates.
     pub max_iterations: u32,
 }
 
-/// How a solve ended.
+/// Outcome of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
     /// Assignments settled, whether by a pass over the points or known without.
     pub iterations: u32,
     /// Passes over the points made for them.
     pub passes: u32,
-    /// Whether (4.8) was met, rather than the cap.
+    /// `true` where (4.8) was met, `false` where the cap ended the solve.
     pub converged: bool,
-    /// Whether the same points and weights would end at the very same centroids again.
+    /// `true` where the same points and weights would end at the very same centroids again.
     pub settled: bool,
 }
 
-/// What is known of the assignments without looking at the points again.
+/// Bounds by which assignments are known without looking at the points again.
 #[derive(Clone, Copy, Debug)]
 struct Known {
-    /// How much nearer, at least, every point was to its centroid than to any other, mm; 0 where not measured.
+    /// Lower bound, over all points, of the distance to the second nearest
+    /// centroid less that to the nearest, mm; 0 where not measured.
     margin: f32,
-    /// How far, at most, a centroid has moved since, mm.
+    /// Upper bound of any centroid's move since the assignments were made, mm.
     moved: f32,
 }
 
 impl Known {
-    /// Whether another pass could change no assignment: two distances change by at most what their centroids move.
+    /// Tells whether another pass could change no assignment. Two
+    /// distances change by at most what their centroids move.
     fn holds(self) -> bool {
         self.moved <= 0.0 || 2.0 * self.moved * (1.0 + 1e-5) + 1e-12 < self.margin
     }
@@ -108,7 +110,7 @@ impl KMeans {
         }
     }
 
-    /// The same with the vectors of choice; the results are the same too.
+    /// Returns the solver with these vectors; the choice does not change its results.
     #[must_use]
     pub const fn with_vectors(mut self, vectors: Vectors) -> Self {
         self.vectors = vectors;
@@ -186,8 +188,8 @@ impl KMeans {
         self.iterate::<false>(points, stop)
     }
 
-    /// As [`KMeans::solve`], bit for bit, for the places of the last solve, in that order, from its centroids;
-    /// weights may be others. Assignments that cannot have changed are not looked for again.
+    /// Solves from the last solve's centroids, for the same places in the same order; weights may differ. The result is
+    /// that of [`KMeans::solve`] to the bit. Assignments that cannot have changed are not looked for again.
     pub fn resume(&mut self, points: Points<'_>, stop: Stop) -> Outcome {
         self.iterate::<true>(points, stop)
     }
@@ -282,7 +284,7 @@ impl KMeans {
         (0.5 * moved, changed)
     }
 
-    /// Gives the empty cluster `k` the point that costs most where it is; the lowest index of equals.
+    /// Gives the empty cluster `k` the point that costs most where it is; of equal points the one of the lowest index.
     fn refill(&mut self, points: Points<'_>, n: usize, k: usize) {
         let mut worst = (0.0f32, None);
         for i in 0..n {
@@ -326,7 +328,7 @@ impl KMeans {
     }
 }
 
-/// Where all members weigh nothing they weigh the same.
+/// Mean place of the members of cluster `k`, all with the same weight, for a cluster whose members weigh nothing.
 fn plain_mean(assigned: &[u32], points: Points<'_>, k: u32) -> (f64, f64) {
     let mut sum = (0.0, 0.0, 0.0f64);
     for (i, _) in assigned.iter().enumerate().filter(|(_, a)| **a == k) {

@@ -16,13 +16,13 @@ pub enum LevelError {
     /// K_I = 0, or more than 65,535.
     #[error("the number of levels must be 1 to 65535")]
     BadCount,
-    /// Nothing to find levels in.
+    /// No intensity to find levels in.
     #[error("no intensity to find levels in")]
     Empty,
     /// A value is NaN or infinite.
     #[error("intensity {index} is not a finite number")]
     NotFinite {
-        /// Its index.
+        /// Index of that intensity.
         index: usize,
     },
     /// Weber spacing needs 0 < lowest <= highest and a positive fraction, all finite.
@@ -201,7 +201,7 @@ impl LevelSolver {
         (q - s * s * self.share[b + 1 - a]).max(0.0)
     }
 
-    /// Where the last of `row + 1` clusters over values 0 ..= i starts: the first split of that cost.
+    /// Start of the last of `row + 1` clusters over values 0 ..= i: the first split of least cost.
     fn split(&self, row: usize, i: usize) -> usize {
         if row == 0 {
             return 0;

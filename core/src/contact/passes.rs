@@ -179,7 +179,7 @@ pub(super) fn sum(x: &[f32], y: &[f32], w: &[f32], assigned: &[u32], chains: &mu
     }
 }
 
-/// How many sums [`sum`] needs for `clusters`.
+/// Number of sums that [`sum`] needs for `clusters`.
 pub(super) const fn chained(clusters: usize) -> usize {
     CHAINS * clusters
 }

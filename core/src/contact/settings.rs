@@ -2,7 +2,7 @@
 
 use super::levels::LevelTable;
 
-/// What a cluster and a level span.
+/// Extent of a cluster and of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
     /// Every module for itself; places are in its coordinates.
@@ -27,7 +27,7 @@ pub enum Norm {
 /// The second stage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Levels {
-    /// None: every contact has level 1.
+    /// No levels: every contact has level 1.
     #[default]
     Off,
     /// The nearest level of a table: static levels, or just-noticeable differences.
@@ -45,7 +45,7 @@ pub struct Settings {
     /// Largest K_C while frames come ([`super::Compressor::allow`]), up to 4096. A number below `clusters` lets K_C grow no
     /// further.
     pub growth: u16,
-    /// What K_C and K_I count for.
+    /// Scope within which K_C and K_I count.
     pub scope: Scope,
     /// l of (4.7).
     pub norm: Norm,

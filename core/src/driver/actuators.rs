@@ -1,4 +1,4 @@
-//! What every driver is to the loop.
+//! The interface of every driver to the loop.
 
 use alloc::vec::Vec;
 
@@ -10,7 +10,7 @@ use crate::units::{Board, Instant};
 /// [`GuardedCurrent`](crate::peltier::GuardedCurrent) for a Peltier module. Only a guard makes these. Emulated registers
 /// take [`Observed`](crate::guard::Observed); nothing that drives hardware does.
 pub trait Actuators<U = Guarded> {
-    /// What can go wrong on the actuator bus.
+    /// Error of the actuator bus.
     type Error: core::error::Error;
 
     /// Puts a guarded update on the outputs: of wires those of one board, all its channels together. Where amplifiers are
@@ -20,8 +20,8 @@ pub trait Actuators<U = Guarded> {
     /// Switches every output off. Needs no guard.
     fn all_off(&mut self) -> Result<(), Self::Error>;
 
-    /// When what was just applied, or switched off, is known to stand on the outputs: asked once the call has returned
-    /// `Ok`. Without a clock that is when it was `asked` for.
+    /// Time from which the last applied update, or switching off, is known to stand on the outputs. It is asked once
+    /// the call has returned `Ok`. A driver without a clock returns `asked`, the time of the call.
     fn confirmed(&self, asked: Instant) -> Instant {
         asked
     }
@@ -35,7 +35,7 @@ pub trait Driver: Actuators<Error = DriverError> {
     /// [`DriverError`] of the first board that does not answer or does not read back.
     fn start(&mut self, now: Instant) -> Result<Instant, DriverError>;
 
-    /// Whether every board still is as [`Self::start`] left it.
+    /// Confirms that every board still is as [`Self::start`] left it.
     ///
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.

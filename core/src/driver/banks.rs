@@ -29,7 +29,8 @@ impl<I: I2c> Banks<I> {
         }
     }
 
-    /// The same on buses that other drivers use too, as [`Pca9685Bank::sharing`]: the channels of all boards.
+    /// Returns the banks for buses that other drivers use too, each
+    /// [`Pca9685Bank::sharing`]. `channels` has those of all boards.
     #[must_use]
     pub fn sharing(self, channels: &[u16]) -> Self {
         let mut rest = channels;
@@ -43,7 +44,7 @@ impl<I: I2c> Banks<I> {
         }
     }
 
-    /// The same with a converter for each board, as [`Pca9685Bank::with_converters`].
+    /// Returns the banks with a converter for each board, as in [`Pca9685Bank::with_converters`].
     #[must_use]
     pub fn with_converters(self, addresses: &[u8], full_scale: Milliamps) -> Self {
         let mut rest = addresses;

@@ -28,8 +28,9 @@ impl Converter {
 }
 
 impl<I: I2c> Pca9685Bank<I> {
-    /// The same with a DAC7578 for each board, by 7-bit address: output n sets the current of channel n, `full_scale` at its
-    /// largest code. Of a board that other drivers use too its own channels alone are touched.
+    /// Returns the bank with a DAC7578 for each board, by 7-bit address: output n
+    /// sets the current of channel n, `full_scale` at its largest code. On a
+    /// board that other drivers use too it touches the bank's own channels alone.
     #[must_use]
     pub fn with_converters(mut self, addresses: &[u8], full_scale: Milliamps) -> Self {
         for (state, address) in self.boards.iter_mut().zip(addresses) {
@@ -42,7 +43,7 @@ impl<I: I2c> Pca9685Bank<I> {
         self
     }
 
-    /// No channel waits for the LDAC pin, all are on and at zero, and read back so.
+    /// Sets a board's converter up and reads it back: no channel waits for the LDAC pin, all are on and at zero.
     pub(super) fn start_converter(&mut self, board: Board) -> Result<(), DriverError> {
         self.command(board, regs::LDAC, 0, regs::NO_PIN)?;
         self.command(board, regs::POWER, 0, regs::ALL_ON)?;
@@ -56,7 +57,7 @@ impl<I: I2c> Pca9685Bank<I> {
         (0..regs::CHANNELS).filter(move |channel| own >> channel & 1 == 1)
     }
 
-    /// Whether every code that was read back still is there.
+    /// Confirms that every code that was read back still is there.
     pub(super) fn verify_converter(&mut self, board: Board) -> Result<(), DriverError> {
         let held = self.converter(board).map_or([None; 8], |c| c.held);
         for (channel, code) in (0..).zip(held) {
@@ -78,7 +79,7 @@ impl<I: I2c> Pca9685Bank<I> {
         Ok(())
     }
 
-    /// All currents of a board that are this driver's to zero; they are read back before they are used.
+    /// Sets all currents of a board that are this driver's to zero; they are read back before they are used.
     pub(super) fn zero_converter(&mut self, board: Board) -> Result<(), DriverError> {
         if let Some(converter) = self.converter_mut(board) {
             converter.held = [None; regs::CHANNELS as usize];

@@ -1,4 +1,4 @@
-//! What a chip was found doing: before anything is written to it, and after everything was switched off.
+//! Registers of a chip as it was found: before anything is written to it, and after everything was switched off.
 
 use embedded_hal::i2c::I2c;
 
@@ -41,7 +41,7 @@ impl Seen {
     }
 }
 
-/// Whether a channel's four registers make a pulse (7.3.3): full off wins over all, full on over the rest.
+/// Tells whether a channel's four registers make a pulse (7.3.3): full off wins over all, full on over the rest.
 const fn makes_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
     if off_h & regs::FULL != 0 {
         return false;
@@ -49,8 +49,8 @@ const fn makes_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
     on_h & regs::FULL != 0 || on_l != off_l || (on_h ^ off_h) & 0x0F != 0
 }
 
-/// Whether a channel's four registers made a pulse before an all-off took the upper half of its OFF count. A pulse of a
-/// multiple of 256 ticks, longer than any that the guard passes at 200 Hz, leaves no trace.
+/// Tells whether a channel's four registers made a pulse before an all-off took the upper half of its OFF count. A
+/// pulse of a multiple of 256 ticks, longer than any that the guard passes at 200 Hz, leaves no trace.
 const fn made_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
     off_h == regs::FULL && (on_h & regs::FULL != 0 || on_l != off_l)
 }

@@ -14,7 +14,7 @@ use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
 
-/// What went wrong, on which board, and whether trying again makes sense.
+/// Error of a transfer, with its board; [`DriverError::is_transient`] tells whether a repeat makes sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DriverError {
     /// No board answers at the address of this index.
@@ -38,7 +38,7 @@ pub enum DriverError {
 }
 
 impl DriverError {
-    /// Whether the same call may succeed if made again: arbitration lost, a busy or disturbed bus.
+    /// Tells whether the same call may succeed if made again: arbitration lost, a busy or disturbed bus.
     pub const fn is_transient(&self) -> bool {
         matches!(
             self,
@@ -74,19 +74,19 @@ const fn why_misread(register: u8, want: u8, got: u8) -> &'static str {
 /// Times a transfer is tried before a transient error counts.
 const ATTEMPTS: u32 = 3;
 
-/// One board: its address and what its channels were last told. `None` after anything that may have
-/// left them otherwise, so that the next update writes them whatever it says.
+/// One board: its address, and the registers that its channels were last told. `None` stands after anything that may
+/// have left them otherwise, so that the next update writes them whatever it says.
 #[derive(Clone, Debug)]
 pub(super) struct BoardState {
     address: u8,
     /// Channels that are this driver's, a bit each.
     own: u16,
     shadow: [Option<[u8; 4]>; 16],
-    /// What sets the currents of its outputs; `None` where the amplifiers have their own.
+    /// Converter that sets the currents of the board's outputs; `None` for amplifiers with a current of their own.
     pub(super) converter: Option<Converter>,
 }
 
-/// What updates came to on the bus.
+/// Traffic of updates on the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Updates sent, one write each.
@@ -100,7 +100,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Takes in that of another driver.
+    /// Adds the traffic of another driver.
     pub fn add(&mut self, other: &Self) {
         self.writes += other.writes;
         self.unchanged_updates += other.unchanged_updates;
@@ -117,7 +117,7 @@ pub struct Pca9685Bank<I> {
     /// Number of the first board: a bench with several buses counts its boards through.
     first: u8,
     prescale: Prescale,
-    /// Whether other drivers use the bus too.
+    /// `true` where other drivers use the bus too.
     shared: bool,
     retries: u64,
     traffic: Traffic,
@@ -148,16 +148,16 @@ impl<I: I2c> Pca9685Bank<I> {
         }
     }
 
-    /// The same with its boards numbered from `first`, where another bus carries those before.
+    /// Returns the bank with its boards numbered from `first`, where another bus carries those before.
     #[must_use]
     pub(super) fn numbered_from(mut self, first: u8) -> Self {
         self.first = first;
         self
     }
 
-    /// The same on a bus that other drivers use too. `channels` has a bit for each channel that is this driver's, board by
-    /// board. It then sends nothing by all-call and writes no other channel. A board that it shares is configured only
-    /// where that has lost its settings.
+    /// Returns the bank for a bus that other drivers use too. `channels` has a bit for each channel of this driver,
+    /// board by board. The bank then sends nothing by all-call and writes no other channel. It configures a shared
+    /// board only where that has lost its settings.
     #[must_use]
     pub fn sharing(mut self, channels: &[u16]) -> Self {
         self.shared = true;
@@ -173,10 +173,10 @@ impl<I: I2c> Pca9685Bank<I> {
         (self.first..self.first.saturating_add(count)).map(Board)
     }
 
-    /// Everything off and verified, then each board configured: asleep, on its external clock if it has one, PRE_SCALE,
-    /// totem-pole outputs that change on STOP and are low while OE is high, awake with auto-increment and all-call.
-    /// Returns when the oscillators run: 500 us after `now` and the bus time (7.3.1.1); the first update must
-    /// not come earlier.
+    /// Switches everything off and verifies it. Then configures each board: asleep, on its external clock if it has
+    /// one, PRE_SCALE, totem-pole outputs that change on STOP and are low while OE is high, awake with auto-increment
+    /// and all-call. Returns when the oscillators run: 500 us after `now` and the bus time (7.3.1.1); the first update
+    /// must not come earlier.
     ///
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.
@@ -209,7 +209,7 @@ impl<I: I2c> Pca9685Bank<I> {
         Ok(now + Duration::from_micros(regs::WAKE_US))
     }
 
-    /// Whether a board has its settings, from another driver's start.
+    /// Tells whether a board has its settings, from another driver's start.
     fn is_started(&mut self, board: Board) -> Result<bool, DriverError> {
         let settings = [
             (regs::MODE1, self.awake()),
@@ -237,13 +237,13 @@ impl<I: I2c> Pca9685Bank<I> {
         self.retries
     }
 
-    /// What updates came to on the bus so far.
+    /// Traffic of updates on the bus so far.
     pub const fn traffic(&self) -> Traffic {
         self.traffic
     }
 
-    /// Whether every board still is as [`Self::start`] left it: a chip that fell back to its reset values
-    /// sleeps, and nothing on the bus says so.
+    /// Confirms that every board still is as [`Self::start`] left it: a chip that fell back to its reset values sleeps,
+    /// and nothing on the bus says so.
     ///
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.
@@ -265,7 +265,7 @@ impl<I: I2c> Pca9685Bank<I> {
         &mut self.i2c
     }
 
-    /// Where a board of this number stands in the bank; past its end for another's.
+    /// Index of a board in the bank; past its end for a board of another bank.
     pub(super) fn index(&self, board: Board) -> usize {
         usize::from(board.0).wrapping_sub(self.first.into())
     }
@@ -319,10 +319,10 @@ impl<I: I2c> Pca9685Bank<I> {
         }
     }
 
-    /// All-call full off, then each board by its own address, so that one that does not listen to
-    /// all-call is off too. Of boards that others use as well, own channels alone. Every board is tried whatever the
-    /// others answer; the first error of an own address is returned. Currents go to zero last: then two chips would have to
-    /// fail for a wire to be heated.
+    /// Switches off by all-call, then each board by its own address, so that a board that does not listen to all-call
+    /// is off too. On boards that others use as well it switches off the own channels alone. Every board is tried
+    /// whatever the others answer; the first error of an own address is returned. Currents go to zero last: then two
+    /// chips would have to fail for a wire to be heated.
     fn switch_off(&mut self) -> Result<(), DriverError> {
         if !self.shared {
             // No chip listens to all-call if every ALLCALL bit is clear: the writes below decide.

@@ -34,7 +34,7 @@ struct Corner {
 pub struct Cells {
     /// Corners of all cells, anticlockwise, cell after cell.
     corners: Box<[Corner]>,
-    /// Where each cell's corners begin; one entry more than there are cells.
+    /// Index of each cell's first corner; one entry more than there are cells.
     starts: Box<[u32]>,
     /// Wires in line, sorted along it: place along it and index. Empty for a display with an area.
     line: Box<[(f32, u16)]>,
@@ -69,7 +69,7 @@ impl Cells {
         Some(cells)
     }
 
-    /// Whether the wires lie in one line, so that no cell has an area.
+    /// Tells whether the wires lie in one line, so that no cell has an area.
     pub(super) const fn in_line(&self) -> bool {
         !self.line.is_empty()
     }
@@ -119,7 +119,7 @@ impl Cells {
         self.starts = starts.into();
     }
 
-    /// Where a wire lies.
+    /// Place of a wire, display mm.
     pub(super) fn place(&self, wire: usize) -> Point {
         self.places[wire]
     }

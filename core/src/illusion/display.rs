@@ -1,4 +1,4 @@
-//! Where the wires lie: positions on the unrolled display, spacings, hull.
+//! The wires of a display: positions on its unrolled surface, spacings, hull.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -48,7 +48,7 @@ pub enum DisplayError {
     /// These two wires are driven by the same output.
     #[error("wires {0} and {1} share one board and channel")]
     SharedOutput(usize, usize),
-    /// This wire's channel is not 0 ..= 15, or its board not 0 ..= 15.
+    /// A wire whose channel is not 0 ..= 15, or its board not 0 ..= 15.
     #[error("wire {0}: expected board 0..15 and channel 0..15")]
     NoSuchOutput(usize),
 }
@@ -58,7 +58,7 @@ impl Display {
     /// and rows.
     ///
     /// # Errors
-    /// When a wire is nowhere, on another wire, or on an output that does not exist or is taken.
+    /// [`DisplayError`] for a wire at no place, on another wire, or on an output that does not exist or is taken.
     pub fn new(wires: &[DisplayWire]) -> Result<Self, DisplayError> {
         if wires.is_empty() {
             return Err(DisplayError::Empty);
@@ -95,8 +95,8 @@ impl Display {
         })
     }
 
-    /// With the spacings (D_x, D_y) of (5.2) as stated, mm, where the wires are no regular grid. An axis on
-    /// which all wires agree keeps its infinite one.
+    /// Sets the spacings (D_x, D_y) of (5.2), mm, where the wires are no regular grid. An axis on which all wires agree
+    /// keeps its infinite one.
     #[must_use]
     pub fn with_spacing(mut self, (dx, dy): (f32, f32)) -> Self {
         let (x, y) = self.spacing;
@@ -105,7 +105,7 @@ impl Display {
         self
     }
 
-    /// On this surface in space.
+    /// Puts the display on this surface in space.
     #[must_use]
     pub const fn with_surface(mut self, surface: Surface) -> Self {
         self.surface = surface;
@@ -146,7 +146,7 @@ impl Display {
         Rect::around(self.wires.iter().map(|w| w.place))
     }
 
-    /// Whether a place lies inside the hull or within `margin` mm of it.
+    /// Tells whether a place lies inside the hull or within `margin` mm of it.
     pub fn contains(&self, at: Point, margin: f32) -> bool {
         let n = self.hull.len();
         if n >= 3 && (0..n).all(|i| left_of(self.hull[i], self.hull[(i + 1) % n], at) >= 0.0) {

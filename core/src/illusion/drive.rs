@@ -6,13 +6,13 @@ use alloc::vec;
 use crate::physics::FULL_DRIVE_DUTY;
 use crate::units::Ticks;
 
-/// How the weights of intensity levels are spaced between the weakest and 1.
+/// Spacing of the weights of intensity levels between the weakest and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Steps {
-    /// Evenly.
+    /// Even spacing.
     #[default]
     Even,
-    /// By just noticeable differences down from the top: each level is weaker by the Weber fraction, and
+    /// Spacing by just noticeable differences down from the top: each level is weaker by the Weber fraction, and
     /// levels that would fall below the weakest weight share it.
     Weber(f32),
 }
@@ -26,7 +26,7 @@ pub struct Drive {
     pub beta: f32,
     /// Weight g of the weakest intensity level, in (0, 1]; 1 is the thesis's constant beta.
     pub floor: f32,
-    /// The levels between.
+    /// Spacing of the levels between.
     pub steps: Steps,
 }
 
@@ -71,7 +71,7 @@ impl Drive {
     }
 }
 
-/// What one person needs of each wire. The same for all wires of a person who has not been measured.
+/// Needs of one person by wire: gain and threshold. All wires of a person who has not been measured have the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     wires: Box<[(f32, f32)]>,
@@ -81,27 +81,27 @@ pub struct Calibration {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// There must be one gain and one threshold a wire.
+    /// Gains and thresholds that are not one of each per wire.
     #[error("one gain and one threshold a wire")]
     Count,
-    /// This wire's gain is not above 0 and at most 1: the strongest wire has gain 1, others are lowered to it.
+    /// A gain that is not above 0 and at most 1, by its wire: the strongest wire has gain 1, others are lowered to it.
     #[error("a gain above 0 and at most 1 (full scale)")]
     Gain(usize),
-    /// This wire's threshold is not from 0 to below 1: what is not felt at full drive cannot be driven.
+    /// A threshold that is not from 0 to below 1, by its wire: what is not felt at full drive cannot be driven.
     #[error("a threshold from 0 to below the wire's gain")]
     Threshold(usize),
 }
 
 impl Calibration {
-    /// Everything as it comes: gain 1, threshold 0.
+    /// Calibration of wires that are all alike: gain 1, threshold 0.
     pub fn even(wires: usize) -> Self {
         Self {
             wires: vec![(1.0, 0.0); wires].into(),
         }
     }
 
-    /// Of a gain and a threshold a wire. The gain is the drive, as a part of full drive, at which all wires
-    /// feel equally strong; the threshold the part of full drive at which this person begins to feel it.
+    /// Calibration from a gain and a threshold per wire. The gain is the drive, as a part of full drive, at which all
+    /// wires feel equally strong. The threshold is the part of full drive at which this person begins to feel the wire.
     ///
     /// # Errors
     /// [`CalibrationError`] names the wire.
@@ -123,12 +123,12 @@ impl Calibration {
         })
     }
 
-    /// How many wires it is for.
+    /// Number of wires.
     pub fn len(&self) -> usize {
         self.wires.len()
     }
 
-    /// Whether it is for no wire.
+    /// Tells whether there is no wire.
     pub fn is_empty(&self) -> bool {
         self.wires.is_empty()
     }

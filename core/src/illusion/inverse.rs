@@ -11,15 +11,15 @@ use super::law::Illusion;
 
 /// A wire whose share is at least this part of the largest is strong: it may do with a pulse less.
 const STRONG: f32 = 0.8;
-/// Strong wires do with a pulse less where weak ones together have at least this share: what makes a burst a vibration has
-/// to be felt, and crossing a wire changes nothing. With a fifth, numbers change where the weak wire already moves the place,
-/// which jumps then.
+/// Least share of all weak wires together at which strong wires do with a pulse less. The pulse that makes the burst a
+/// vibration then has to be felt on weak wires, and the numbers stay while a contact crosses a wire. With a fifth, the
+/// numbers change where the weak wire already moves the place, which jumps then.
 const WEAK: f32 = 0.1;
-/// Of so many pulses none is left out: of a tap's two, one would be half.
+/// Largest number of pulses that every wire keeps: a tap has two, and a tap less one pulse would be half.
 const TAP: u8 = 2;
 /// Times that the compromise between both centroids is corrected. Two bring it to 0.01 mm on gaps of 9 mm.
 const CORRECTIONS: u32 = 2;
-/// Gauss-Newton steps that then move every wire by itself, and the largest of a logarithm of an amplitude.
+/// Number of Gauss-Newton steps that then move every wire by itself, and the largest step of an amplitude's logarithm.
 const STEPS: (u32, f32) = (2, 0.4);
 /// Damping of a step, as a part of the matrix's trace: what no amplitudes can mend shall not move them.
 const DAMPING: f32 = 2e-3;
@@ -28,22 +28,24 @@ const DAMPING: f32 = 2e-3;
 #[derive(Clone, Debug)]
 pub struct Inverse {
     cells: Cells,
-    /// Beyond the hull a contact is rendered on its edge, weaker with distance and not at all from here on, mm.
+    /// Distance beyond the hull from which on a contact is not rendered, mm. Nearer to the hull it is rendered on the
+    /// edge, weaker with distance.
     margin: f32,
 }
 
 /// One way to distribute pulses over wires, and the amplitudes that go best with it.
 #[derive(Clone, Copy, Debug)]
 struct Split {
-    /// Pulses of a wire, or one less.
+    /// Largest number of pulses of a wire; a wire has as many, or one less.
     most: u8,
     /// Logarithm of the part of all pulses that a wire with a pulse less has.
     fewer: f32,
-    /// From 0, where the energy centroid is exact, to 1, where the amplitude centroid is.
+    /// Place of the law between both exact ones: 0 where the energy
+    /// centroid is exact, 1 where the amplitude centroid is.
     blend: f32,
 }
 
-/// The logarithm of no share.
+/// The logarithm of a share of zero.
 const NO_SHARE: f32 = f32::NEG_INFINITY;
 
 /// Distances of both centroids from the contact, mm.
@@ -54,7 +56,7 @@ struct Misses {
 }
 
 impl Split {
-    /// Between the two exact laws, sqrt(share / pulses) and share.
+    /// Amplitude between the two exact laws, sqrt(share / pulses) and share.
     fn amplitude(&self, log_share: f32, pulses: u8) -> f32 {
         let fewer = if pulses < self.most { self.fewer } else { 0.0 };
         let exponent = (1.0 + self.blend) * log_share - (1.0 - self.blend) * fewer;
@@ -100,7 +102,8 @@ impl Inverse {
         amplitudes.iter_mut().for_each(|a| *a *= scale);
     }
 
-    /// Writes the shares of the nearest place inside the hull; that place, and the part of full level that is left there.
+    /// Writes the shares of the nearest place inside the hull. Returns
+    /// that place, and the part of full level that is left there.
     fn share(&self, at: Point, out: &mut [f32]) -> Option<(Point, f32)> {
         let (near, beyond) = self.cells.nearest(at);
         // What is no number compares false.
@@ -234,7 +237,7 @@ impl Inverse {
 }
 
 impl Illusion for Inverse {
-    /// With as many pulses on every wire.
+    /// Writes amplitudes for as many pulses on every wire.
     fn activate(&self, at: Point, out: &mut [f32]) {
         let Some((near, scale)) = self.share(at, out) else {
             return;

@@ -1,4 +1,4 @@
-//! What every law of an illusion is, and why one is refused.
+//! The interface of every law of an illusion, and why one is refused.
 
 use core::fmt;
 
@@ -12,7 +12,7 @@ pub trait Illusion: fmt::Debug + Send + Sync {
     /// Writes the activation of every wire, by its index, for a contact at `at` (display mm).
     fn activate(&self, at: Point, out: &mut [f32]);
 
-    /// How long a wire is on at the next onset, where the law says so; else as long as every stimulus.
+    /// Time for which a wire is on at the next onset; `None` for the duration of every stimulus.
     fn lasts(&self, wire: usize) -> Option<Duration> {
         let _ = wire;
         None
@@ -22,23 +22,23 @@ pub trait Illusion: fmt::Debug + Send + Sync {
 /// Why a law does not fit a display, or its settings a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IllusionError {
-    /// Nothing lies between one wire.
+    /// A display of one wire, which has no place between wires.
     #[error("two wires or more: with one there is no place between (`nearest` takes one)")]
     OneWire,
-    /// Three nearest need wires that are not in one line.
+    /// Wires in one line for the law of the three nearest.
     #[error("wires that are not in one line: three-nearest needs triangles")]
     InLine,
-    /// The shape is no positive number, or the model has none.
+    /// A shape that is no positive number, or of a model that has none.
     #[error(
         "a shape above 0 for phantom, balanced or gaussian, `flat` for phantom only, and none for the others"
     )]
     Shape,
-    /// The model knows no such distances.
+    /// Distances that the model does not know.
     #[error(
         "`axes` for phantom, energy, linear or square, `plane` for any, `space` for phantom, three-nearest, gaussian or nearest"
     )]
     Distances,
-    /// The margin is no positive number.
+    /// A margin that is no positive number.
     #[error("a margin above 0")]
     Margin,
 }

@@ -24,7 +24,7 @@ impl Rect {
         })
     }
 
-    /// Its middle.
+    /// Middle of the rectangle.
     pub fn centre(&self) -> Point {
         let middle = |low: f32, high: f32| 0.5 * (low + high);
         Point::new(
@@ -33,7 +33,7 @@ impl Rect {
         )
     }
 
-    /// Whether `other` lies inside, to a micrometre.
+    /// Tells whether `other` lies inside, to a micrometre.
     pub fn covers(&self, other: &Self) -> bool {
         const SLACK: f32 = 1e-3;
         self.min.x <= other.min.x + SLACK
@@ -100,7 +100,7 @@ impl Map {
         })
     }
 
-    /// Whether a sensor place lies in the rectangle that fills the display.
+    /// Tells whether a sensor place lies in the rectangle that fills the display.
     pub fn shows(&self, s: Point) -> bool {
         self.from.covers(&Rect { min: s, max: s })
     }

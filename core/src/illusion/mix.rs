@@ -7,8 +7,8 @@ use crate::units::{Duration, Point};
 
 use super::law::Illusion;
 
-/// How contacts share wires. Whatever the rule, a wire stays within [0, 1] and the energy of all wires
-/// within the sum of what each contact alone would have.
+/// Rule by which contacts share wires. By every rule a wire stays within [0, 1], and the energy of all wires within the
+/// sum of what each contact alone would have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// A wire follows the contact that asks most of it.
@@ -24,7 +24,7 @@ impl Sharing {
     /// Every rule.
     pub const ALL: [Self; 3] = [Self::Strongest, Self::Sum, Self::Slices];
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Strongest => "strongest",
@@ -53,7 +53,7 @@ pub struct Mixer {
 }
 
 impl Mixer {
-    /// For a display of so many wires; the last time it allocates.
+    /// Mixer for a display of this many wires; the last time it allocates.
     pub fn new(illusion: Box<dyn Illusion>, sharing: Sharing, wires: usize) -> Self {
         Self {
             illusion,
@@ -63,7 +63,7 @@ impl Mixer {
         }
     }
 
-    /// Those of `targets` that the onset with this number renders.
+    /// Targets that the onset with this number renders: all, or with time slices one.
     pub fn rendered<'t>(&self, targets: &'t [Target], onset: u64) -> &'t [Target] {
         if self.sharing != Sharing::Slices || targets.is_empty() {
             return targets;
@@ -72,7 +72,7 @@ impl Mixer {
         &targets[turn..=turn]
     }
 
-    /// How long every wire is on at the next onset: `otherwise` where the law does not say.
+    /// Writes the time for which every wire is on at the next onset: the law's, or `otherwise` where it has none.
     pub fn last(&self, out: &mut [Duration], otherwise: Duration) {
         for (wire, length) in out.iter_mut().enumerate() {
             *length = self.illusion.lasts(wire).unwrap_or(otherwise);

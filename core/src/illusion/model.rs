@@ -24,7 +24,7 @@ pub enum IllusionModel {
     Square,
     /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
     Balanced,
-    /// What both centroids feel at the contact, by amplitudes and numbers of pulses within what heat allows.
+    /// Both centroids are felt at the contact, by amplitudes and numbers of pulses within what heat allows.
     #[default]
     Inverse,
     /// Three nearest wires by inverse distance (Park 2016).
@@ -49,7 +49,7 @@ impl IllusionModel {
         Self::Nearest,
     ];
 
-    /// Its name in files and on the command line.
+    /// Name in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Phantom => "phantom",
@@ -88,40 +88,40 @@ impl IllusionModel {
 /// the curve).
 const BALANCED: f32 = 0.65;
 
-/// How far a contact is from a wire.
+/// Measure of the distance from a contact to a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distances {
-    /// Each axis on its own.
+    /// Distance along each axis on its own.
     Axes,
-    /// In the unrolled plane.
+    /// Distance in the unrolled plane.
     Plane,
-    /// Straight through space, on the display's surface.
+    /// Straight distance through space, on the display's surface.
     Space,
 }
 
 /// A shape factor, or the wish for flat midpoints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ShapeChoice {
-    /// The model's own.
+    /// The model's own shape.
     #[default]
     Model,
-    /// This one.
+    /// A stated factor.
     Factor(f32),
-    /// For (5.2): the factor that makes midpoints flat, from the spacings.
+    /// The factor of (5.2) that makes midpoints flat, from the spacings.
     Flat,
 }
 
-/// How an illusion is to be built.
+/// Settings from which an illusion is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelSettings {
     /// The law.
     pub model: IllusionModel,
-    /// Its shape.
+    /// Shape of the law.
     pub shape: ShapeChoice,
-    /// Its distances; the model's own if not stated.
+    /// Measure of distances; `None` for the model's own.
     pub distances: Option<Distances>,
-    /// How far beyond the hull a contact is still rendered by laws over shares, as a part of the smallest
-    /// gap between wires; half a gap if not stated.
+    /// Distance beyond the hull within which laws over shares still render a contact, as a part of the smallest gap
+    /// between wires; half a gap if not stated.
     pub margin: Option<f32>,
 }
 
@@ -194,7 +194,7 @@ pub fn build(
     }
 }
 
-/// Where laws over shares end beyond the hull, mm.
+/// Distance beyond the hull at which laws over shares end, mm.
 fn margin_mm(display: &Display, settings: &ModelSettings) -> Result<f32, IllusionError> {
     let margin = settings.margin.unwrap_or(0.5);
     match margin.is_finite() && margin > 0.0 {

@@ -11,9 +11,9 @@ use super::reach::Metric;
 /// Shape factors (s_x, s_y) of (5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
-    /// Along x.
+    /// Factor along x.
     pub x: f32,
-    /// Along y.
+    /// Factor along y.
     pub y: f32,
 }
 
@@ -52,8 +52,8 @@ impl Slope {
         }
     }
 
-    /// Whether a wire so far away has any part. Most have none and need no logarithm; what is no number
-    /// compares false.
+    /// Tells whether a wire at this distance has any part; for NaN
+    /// it has none. Most wires have none and need no logarithm.
     fn reaches(&self, distance: f32) -> bool {
         libm::fabsf(distance) < self.spacing
     }

@@ -18,7 +18,7 @@ pub(super) struct Metric {
 }
 
 impl Metric {
-    /// Of a display's wires on `surface`.
+    /// Metric of a display's wires on `surface`.
     pub fn new(display: &Display, surface: Surface) -> Self {
         let wires = display.wires().iter().map(|w| surface.lift(w.place));
         Self {
@@ -89,7 +89,7 @@ impl Illusion for Gaussian {
     }
 }
 
-/// All of it on the nearest wire. Wires equally near share the energy: no order of wires decides.
+/// Law that puts all of a contact on the nearest wire. Wires equally near share the energy: no order of wires decides.
 #[derive(Clone, Debug)]
 pub(super) struct Nearest {
     metric: Metric,

@@ -1,4 +1,4 @@
-//! Laws over shares: what a contact's place is worth to each wire, raised to a power.
+//! Laws over shares: each wire's share of a contact's place, raised to a power.
 //!
 //! With the exponent 1/2 the energy centroid of the wires is the contact (Israr and Poupyrev's energy law,
 //! in two dimensions), with 1 their amplitude centroid is (the linear law). Between the two lies the
@@ -9,12 +9,12 @@ use crate::units::Point;
 use super::cells::Cells;
 use super::law::Illusion;
 
-/// Which power, and whether the energy is made 1 everywhere.
+/// Power of a law, and whether it levels the energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Power {
     /// Exponent of the share.
     pub exponent: f32,
-    /// Whether activations are scaled so that their squares sum to 1.
+    /// `true` where activations are scaled so that their squares sum to 1.
     pub level: bool,
 }
 
@@ -51,7 +51,8 @@ impl Power {
 pub(super) struct CellShares {
     cells: Cells,
     power: Power,
-    /// Beyond the hull a contact is rendered on its edge, weaker with distance and not at all from here on, mm.
+    /// Distance beyond the hull from which on a contact is not rendered, mm. Nearer to the hull it is rendered on the
+    /// edge, weaker with distance.
     margin: f32,
 }
 

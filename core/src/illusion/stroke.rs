@@ -17,11 +17,11 @@ use super::timing::{LONGEST, duration_tactile_brush};
 /// A straight stroke over the display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Where it begins, display mm.
+    /// Start, display mm.
     pub from: Point,
-    /// Where it ends.
+    /// End, display mm.
     pub to: Point,
-    /// How long it takes.
+    /// Time from start to end.
     pub length: Duration,
 }
 
@@ -30,11 +30,11 @@ pub struct Stroke {
 pub struct Dab {
     /// Onset after the stroke's first one.
     pub at: Duration,
-    /// How long it lasts.
+    /// Duration of the stimulus.
     pub duration: Duration,
-    /// Where, display mm.
+    /// Place, display mm.
     pub place: Point,
-    /// How strong, in [0, 1].
+    /// Intensity, in [0, 1].
     pub weight: f32,
 }
 
@@ -67,7 +67,7 @@ impl Planned {
         Self::new(start, (0..count).map(dab).collect())
     }
 
-    /// The same so much weaker: a weight in [0, 1].
+    /// Returns the stroke with this weight, in [0, 1], for every stimulus.
     #[must_use]
     pub fn weighted(mut self, weight: f32) -> Self {
         self.dabs.iter_mut().for_each(|dab| dab.weight = weight);
@@ -89,10 +89,10 @@ impl Planned {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StrokeError {
-    /// Start and end are one place, or no numbers: a contact, not a stroke.
+    /// A stroke whose start and end are one place, or no numbers: a contact, not a stroke.
     #[error("a stroke between two different places")]
     NoLength,
-    /// Faster than two stimuli can follow one another; the shortest time it can take.
+    /// A stroke faster than two stimuli can follow one another, with the shortest time that it can take.
     #[error("a stroke of at least {} ms", .0.as_micros().div_ceil(1000))]
     TooFast(Duration),
 }
@@ -107,8 +107,9 @@ const LAW: f32 = 0.32;
 const FELT_STEP: f32 = 0.2;
 
 impl Stroke {
-    /// Its stimuli in order, none longer than `longest` or [`LONGEST`]. `gap` is the display's smallest distance of two
-    /// wires. Points nearer to one another than a felt step, or passed faster than stimuli can follow, are left out.
+    /// Stimuli of the stroke in order, none longer than `longest` or [`LONGEST`]. `gap`
+    /// is the display's smallest distance of two wires. Points nearer to one another
+    /// than a felt step, or passed faster than stimuli can follow, are left out.
     ///
     /// # Errors
     /// [`StrokeError`] for a stroke of no length, or one too fast.

@@ -2,7 +2,7 @@
 
 use crate::units::Point;
 
-/// From the unrolled plane to space.
+/// Shape in space of the surface that was unrolled into the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Surface {
     /// The plane is the surface.

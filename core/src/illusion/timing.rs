@@ -1,4 +1,4 @@
-//! When stimuli start and how long they last.
+//! Timing of stimuli: onset asynchrony and duration.
 
 use crate::schedule::Timing;
 use crate::units::Duration;
@@ -9,7 +9,7 @@ pub const LONGEST: Duration = Duration::from_micros(48_800);
 /// Duration where neither it nor an onset asynchrony is stated (thesis chapter 5).
 const USUAL: Duration = Duration::from_millis(35);
 
-/// Which study the missing one of duration and onset asynchrony follows.
+/// Study by which the missing one of duration and onset asynchrony is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimingLaw {
     /// `SOA = 0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush), found on the back.
@@ -20,7 +20,7 @@ pub enum TimingLaw {
 }
 
 impl TimingLaw {
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::TactileBrush => "tactile-brush",
@@ -28,7 +28,7 @@ impl TimingLaw {
         }
     }
 
-    /// A checked timing; what is not stated the law gives, durations not above [`LONGEST`].
+    /// Checks a timing; the law gives the part that is not stated, durations not above [`LONGEST`].
     ///
     /// # Errors
     /// [`TimingError`] for a zero span, or stimuli longer than the time to the next.
@@ -58,7 +58,7 @@ const fn soa_tactile_brush(duration: Duration) -> Duration {
     Duration::from_micros(duration.as_micros().saturating_mul(32) / 100 + 47_300)
 }
 
-/// The same law the other way round; zero where onsets are too close for it.
+/// Duration of a stimulus by the Tactile Brush law, from its onset asynchrony; zero where onsets are too close for it.
 pub(super) const fn duration_tactile_brush(soa: Duration) -> Duration {
     Duration::from_micros(soa.as_micros().saturating_sub(47_300).saturating_mul(100) / 32)
 }

@@ -5,7 +5,7 @@ use alloc::vec;
 
 use crate::units::{Instant, Point};
 
-/// What is known of one contact.
+/// State of one contact.
 #[derive(Clone, Copy, Debug)]
 struct Track {
     id: u32,
@@ -14,7 +14,7 @@ struct Track {
     at: Instant,
     /// Velocity, mm/us.
     velocity: (f32, f32),
-    /// Whether the newest frame had it.
+    /// `true` for a contact of the newest frame.
     seen: bool,
 }
 
@@ -29,11 +29,11 @@ pub(crate) struct Tracks {
 
 /// Part of a new difference that goes into the velocity: noise of frames counts a quarter.
 const SMOOTHING: f32 = 0.25;
-/// A contact is carried on for this long at most, us: two frames at 100 Hz. What is older stands still.
+/// A contact is carried on for this long at most, us: two frames at 100 Hz. An older one stands still.
 const LONGEST_US: u64 = 20_000;
 
 impl Tracks {
-    /// For at most `most` contacts; the last time it allocates.
+    /// Tracks of at most `most` contacts; the last time it allocates.
     pub fn new(most: usize) -> Self {
         Self {
             slots: vec![None; most].into(),
@@ -85,7 +85,7 @@ impl Tracks {
         }
     }
 
-    /// Where a contact is at `now`; `None` for a contact that the newest frame did not have.
+    /// Place of a contact at `now`, display mm; `None` for a contact that the newest frame did not have.
     pub fn place(&self, id: u32, now: Instant) -> Option<Point> {
         let track = self.slots.iter().flatten().find(|t| t.id == id)?;
         let ahead = now.since(track.at).as_micros().min(LONGEST_US) as f32;

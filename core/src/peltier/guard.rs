@@ -24,7 +24,7 @@ pub struct PeltierLimits {
     pub sink_c: f64,
     /// Oldest reading with which a current may flow; a bridge lets go by itself when no update has come for as long.
     pub stale: Duration,
-    /// Where an independent thermostat on the face cuts the bridge, degrees C.
+    /// Temperature of the face at which an independent thermostat cuts the bridge, degrees C.
     pub thermostat_c: f64,
 }
 
@@ -39,9 +39,9 @@ pub const LIMITS: PeltierLimits = PeltierLimits {
     thermostat_c: 43.0,
 };
 
-/// How far a thermistor may be from the truth, once its lag is led, K: its tolerance, the converter and the estimate.
+/// Largest error of a thermistor's temperature, once its lag is led, K: its tolerance, the converter and the estimate.
 pub const UNCERTAINTY_K: f64 = 0.5;
-/// Over so far before a limit of a temperature the current falls to nothing, K.
+/// Band below the limit of a temperature over which the current falls to nothing, K.
 const TAPER_K: f64 = 1.0;
 /// Readings from which a rate is told: a tenth of a second.
 const KEPT: usize = 11;
@@ -52,7 +52,7 @@ const GOOD_FOR: Duration = Duration::from_millis(1000);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum PeltierReason {
-    /// Nothing is asked for.
+    /// No current is asked for.
     Off,
     /// A thermistor tells nothing.
     Sensor(SensorFault),
@@ -79,7 +79,7 @@ impl PeltierReason {
         Self::Sink,
     ];
 
-    /// Its number on the link of a driver unit.
+    /// Number on the link of a driver unit.
     pub const fn number(self) -> u8 {
         match self {
             Self::Off => 0,
@@ -121,35 +121,35 @@ pub struct GuardedCurrent {
 }
 
 impl GuardedCurrent {
-    /// When it is to take effect.
+    /// Time at which the current is to take effect.
     pub const fn at(&self) -> Instant {
         self.at
     }
 
-    /// When a bridge that has heard nothing since lets go by itself.
+    /// Time at which a bridge that has heard nothing since lets go by itself.
     pub const fn until(&self) -> Instant {
         self.until
     }
 
-    /// Through the module, mA; positive cools the face.
+    /// Current through the module, mA; positive cools the face.
     pub const fn milliamps(&self) -> i32 {
         self.milliamps
     }
 
-    /// The same in A.
+    /// Current through the module, A; positive cools the face.
     pub(super) fn amps(&self) -> f64 {
         f64::from(self.milliamps) * 1e-3
     }
 }
 
-/// What both thermistors tell.
+/// Temperatures from both thermistors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Seen {
     /// The face, degrees C, led by the thermistor's lag.
     pub(super) face_c: f64,
     /// The sink, degrees C.
     pub(super) sink_c: f64,
-    /// How fast the face changes, K/s.
+    /// Rate of the face's temperature, K/s.
     rate_k_s: f64,
 }
 
@@ -172,7 +172,7 @@ pub(super) struct CurrentGuard {
     kept: usize,
     seen: Option<Seen>,
     fault: Option<SensorFault>,
-    /// Since when the sensors are good.
+    /// Time since which the sensors are good.
     good: Option<Instant>,
     /// The face when it was told last, degrees C.
     last_c: f64,
@@ -192,7 +192,7 @@ impl CurrentGuard {
         }
     }
 
-    /// What the sensors tell, where they do.
+    /// Temperatures from the sensors; `None` after a fault or without a reading.
     pub(super) const fn seen(&self) -> Option<Seen> {
         self.seen
     }
@@ -209,7 +209,7 @@ impl CurrentGuard {
         }
     }
 
-    /// What is wrong with them, or was within the last second.
+    /// Fault of the sensors, present or within the last second.
     pub(super) const fn fault(&self) -> Option<SensorFault> {
         self.fault
     }
@@ -243,7 +243,7 @@ impl CurrentGuard {
         });
     }
 
-    /// How fast the face changes, K/s, with this reading the newest.
+    /// Rate of the face's temperature, K/s, with this reading the newest.
     fn rate(&mut self, at: Instant, face_c: f64) -> f64 {
         let newest = self.kept.checked_sub(1).map(|last| self.course[last].0);
         if newest.is_none_or(|newest| newest < at) {
@@ -262,7 +262,7 @@ impl CurrentGuard {
         (face_c - before_c) / seconds
     }
 
-    /// No current.
+    /// The update that switches the current off.
     pub(super) fn off(&self, now: Instant) -> GuardedCurrent {
         self.pass(now, 0.0)
     }
@@ -276,7 +276,7 @@ impl CurrentGuard {
         }
     }
 
-    /// What of a current may flow, and why it is less.
+    /// Admits as much of the `asked` current, A, as may flow, with the reason where that is less.
     pub(super) fn admit(
         &self,
         now: Instant,

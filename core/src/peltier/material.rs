@@ -1,8 +1,8 @@
-//! What a material feels like at first touch: the temperature at which skin and material meet.
+//! Feel of a material at first touch: the temperature at which skin and material meet.
 //!
 //! Two half-spaces of temperatures T1 and T2 in perfect contact meet at (e1 T1 + e2 T2)/(e1 + e2), with the effusivity
 //! e = sqrt(k rho c) of each (Carslaw and Jaeger, *Conduction of Heat in Solids*, 2nd edition, 2.15). The face then
-//! holds it. What a real finger adds over seconds, warming what it touches, is left out.
+//! holds it. A real finger warms what it touches over seconds; that is left out.
 
 /// Effusivity of skin, J/(m2 K sqrt s): k 0.37 W/mK, 1000 kg/m3, 3770 J/kgK.
 const SKIN_EFFUSIVITY: f64 = 1181.0;
@@ -24,7 +24,7 @@ impl Material {
     /// Every material.
     pub const ALL: [Self; 4] = [Self::Metal, Self::Glass, Self::Wood, Self::Cloth];
 
-    /// Its name in a scene.
+    /// Name in a scene.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Metal => "metal",
@@ -49,7 +49,7 @@ impl Material {
         libm::sqrt(self.properties().into_iter().product())
     }
 
-    /// Where skin and an object of this material meet, degrees C.
+    /// Temperature at which skin and an object of this material meet, degrees C.
     pub fn contact_c(self, skin_c: f64, object_c: f64) -> f64 {
         let e = self.effusivity();
         (SKIN_EFFUSIVITY * skin_c + e * object_c) / (SKIN_EFFUSIVITY + e)

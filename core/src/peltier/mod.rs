@@ -21,25 +21,25 @@ use crate::units::{Duration, Instant};
 use control::Control;
 use guard::CurrentGuard;
 
-/// Between two turns of a regulator: 100 Hz.
+/// Time between two turns of a regulator: 100 Hz.
 pub const PERIOD: Duration = Duration::from_millis(10);
-/// How fast what is aimed at moves, K/s: the ramp row leaves a fifth to overshoot.
+/// Rate at which the aim moves, K/s; it leaves a fifth of the ramp row to overshoot.
 const SLEW_K_S: f64 = 2.4;
-/// How far from a limit of the face nothing is aimed at, K.
+/// Distance that the aim keeps from the limits of the face, K.
 const CLEAR_K: f64 = 1.0;
 
-/// Both thermistors, converted together.
+/// Codes of both thermistors, converted together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// When.
+    /// Time of the conversion.
     pub at: Instant,
-    /// Code of the face's.
+    /// Code of the face's thermistor.
     pub face: u16,
-    /// Code of the sink's.
+    /// Code of the sink's thermistor.
     pub sink: u16,
 }
 
-/// What is asked of the face.
+/// Request for the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// The temperature to be felt, degrees C.
@@ -51,11 +51,11 @@ pub struct Wanted {
 /// A turn of the regulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regulated {
-    /// What the driver is to set.
+    /// Current for the driver to set.
     pub update: GuardedCurrent,
     /// The face, degrees C, led by the thermistor's lag; `None` where no sensor tells it.
     pub face_c: Option<f64>,
-    /// What is aimed at now, degrees C; `None` where nothing is.
+    /// Temperature that the control aims at now, degrees C; `None` without an aim.
     pub aim_c: Option<f64>,
     /// Why the current is not the one that the control asked for.
     pub reason: Option<PeltierReason>,
@@ -81,7 +81,7 @@ impl Regulator {
         }
     }
 
-    /// When the next turn is due.
+    /// Time at which the next turn is due.
     pub fn next(&self) -> Instant {
         self.turned.map_or(Instant::ZERO, |at| at + PERIOD)
     }

@@ -25,7 +25,7 @@ const LOOSE_8MM: Plant = Plant {
     bus: Duration::ZERO,
 };
 
-/// How an [`Output`] is to be built.
+/// Settings from which an [`Output`] is built.
 #[derive(Debug)]
 #[must_use]
 pub struct OutputBuilder {
@@ -42,7 +42,7 @@ pub struct OutputBuilder {
 }
 
 impl From<Display> for OutputBuilder {
-    /// Everything by default.
+    /// An output with the default of every setting.
     fn from(display: Display) -> Self {
         Self {
             display,
@@ -100,13 +100,13 @@ impl OutputBuilder {
         self
     }
 
-    /// How several contacts share wires; the strongest has them unless stated.
+    /// Sets the rule by which several contacts share wires; the strongest has them unless stated.
     pub const fn sharing(mut self, sharing: Sharing) -> Self {
         self.sharing = sharing;
         self
     }
 
-    /// What this person needs of each wire; all alike unless stated.
+    /// Sets this person's calibration by wire; all wires are alike unless stated.
     pub fn calibration(mut self, calibration: Calibration) -> Self {
         self.calibration = Some(calibration);
         self
@@ -178,7 +178,7 @@ impl OutputBuilder {
     }
 }
 
-/// How a [`Projector`] is to be built.
+/// Settings from which a [`Projector`] is built.
 #[derive(Debug)]
 #[must_use]
 pub struct Builder {
@@ -221,7 +221,7 @@ impl Builder {
         self
     }
 
-    /// When a taxel counts as ill, [`HealthSettings::default`] unless stated.
+    /// Sets the rules by which a taxel counts as ill, [`HealthSettings::default`] unless stated.
     pub const fn health(mut self, settings: HealthSettings) -> Self {
         self.sensing.health = settings;
         self

@@ -28,7 +28,7 @@ pub(super) struct Gathering {
 }
 
 impl Gathering {
-    /// Of the taxels `read` in a module of `taxels`.
+    /// Gathering of the taxels `read` in a module of `taxels`.
     pub(super) fn new(read: Box<[usize]>, taxels: usize) -> Self {
         Self {
             normal: vec![[0.0; SLOW]; read.len()].into(),

@@ -5,12 +5,12 @@ use crate::units::Instant;
 use super::{Output, Projector};
 
 impl Output {
-    /// With a grid of onsets that begins at `first`, not at t = 0: the offset of one finger among several.
+    /// Sets the grid of onsets to begin at `first`, not at t = 0: the offset of one finger among several.
     pub const fn begin_at(&mut self, first: Instant) {
         self.next_onset = first;
     }
 
-    /// When strokes that are known beforehand have the display: start and end of each.
+    /// Start and end of each planned stroke: spans in which strokes have the display.
     pub fn strokes(&self) -> &[(Instant, Instant)] {
         self.strokes.spans()
     }
@@ -23,17 +23,17 @@ impl Output {
 }
 
 impl Projector {
-    /// As [`Output::begin_at`].
+    /// Sets the grid of onsets to begin at `first`, as [`Output::begin_at`] does.
     pub const fn begin_at(&mut self, first: Instant) {
         self.output.begin_at(first);
     }
 
-    /// As [`Output::strokes`].
+    /// Start and end of each planned stroke, as [`Output::strokes`] has them.
     pub fn strokes(&self) -> &[(Instant, Instant)] {
         self.output.strokes()
     }
 
-    /// As [`Output::leave`].
+    /// Leaves these spans to strokes of other displays, as [`Output::leave`] does.
     pub fn leave(&mut self, spans: &[(Instant, Instant)]) {
         self.output.leave(spans);
     }

@@ -8,28 +8,29 @@ use crate::units::{Duration, Instant};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ForeignContacts {
-    /// More than compression can find here; how many that is.
+    /// More contacts than compression can find here, with that number.
     #[error("expected at most {0} contacts")]
     TooMany(usize),
-    /// Of a module that the layout lacks; how many it has.
+    /// A contact of a module that the layout lacks, with the number of modules that it has.
     #[error("expected a module below {0}")]
     NoSuchModule(usize),
-    /// At a place, or of an intensity, that is no number; or of a negative intensity.
+    /// A contact whose place or intensity is not a number, or whose intensity is negative.
     #[error("expected places and intensities that are numbers")]
     NoNumber,
-    /// Of a level outside 1 to this.
+    /// A contact of a level outside 1 to this.
     #[error("expected a level from 1 to {0}")]
     Level(u16),
-    /// Not newer than the newest ones.
+    /// Contacts not newer than the newest ones.
     #[error("expected contacts newer than the newest")]
     Old,
 }
 
 impl Projector {
-    /// Takes the contacts of a frame of this skin that another loop compressed, in place of scans: all that there are as of
-    /// `at`, in module coordinates, with their identities. [`Self::turn`] then does what they make due, and the guard counts the
-    /// age of its input from `at`, the earliest time at which they may have been there. They are carried on from `later` after
-    /// that, when they likely were: no age hangs on it. From the first call on taxels are not looked at: their health is the other loop's.
+    /// Takes the contacts of a frame of this skin that another loop compressed, in place of scans: all that there are
+    /// as of `at`, in module coordinates, with their identities. [`Self::turn`] then does what they make due. The guard
+    /// counts the age of its input from `at`, the earliest time at which the contacts may have been there. Places are
+    /// extrapolated from `at` + `later`, when the contacts likely were there; staleness ignores `later`. From the first
+    /// call on taxels are not looked at: their health is the other loop's.
     ///
     /// # Errors
     /// Contacts that are not of the loop's layout and levels, or not newer; nothing has changed then.

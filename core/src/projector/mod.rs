@@ -59,7 +59,7 @@ pub struct FrameReport<'a> {
     pub contacts: &'a [Contact],
 }
 
-/// Who wants to know what happens. Every method has an empty default.
+/// Observer of the loop's events. Every method has an empty default.
 pub trait Observer {
     /// A frame was compressed.
     fn frame(&mut self, report: &FrameReport<'_>) {
@@ -94,7 +94,7 @@ pub trait Observer {
 /// An observer that keeps nothing.
 impl Observer for () {}
 
-/// What the sensor half is built from.
+/// Parts from which the sensor half is built.
 #[derive(Debug)]
 pub struct SensingPlan {
     /// The skin.
@@ -103,22 +103,22 @@ pub struct SensingPlan {
     pub baseline: BaselineSettings,
     /// Compression.
     pub compression: Settings,
-    /// When a taxel counts as ill.
+    /// Rules by which a taxel counts as ill.
     pub health: HealthSettings,
 }
 
-/// What the loop is built from.
+/// Parts from which the loop is built.
 #[derive(Debug)]
 pub struct Plan {
     /// The sensor half.
     pub sensing: SensingPlan,
     /// The module that drives the display.
     pub drives: u16,
-    /// Sensor to display.
+    /// View of the skin on the display.
     pub view: View,
     /// The display.
     pub display: Display,
-    /// Stimuli.
+    /// Settings of stimuli.
     pub output: OutputSettings,
     /// The texture that is felt, if any.
     pub texture: Option<TexturePlan>,
@@ -126,16 +126,16 @@ pub struct Plan {
     pub guard: Guard,
 }
 
-/// An error of one of the two ends; the outputs have been switched off, as far as the driver let us.
+/// An error of one of the two ends; the outputs have been switched off, as far as the driver allowed it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LoopError<S, A> {
-    /// The skin.
+    /// An error of the skin.
     #[error("skin: {0}")]
     Sensor(S),
-    /// The skin handed on a scan that is not of the loop's layout.
+    /// A scan of the skin that is not of the loop's layout.
     #[error("skin: {0}")]
     Scan(ScanError),
-    /// The driver.
+    /// An error of the driver.
     #[error("actuators: {0}")]
     Actuator(A),
 }
@@ -152,7 +152,7 @@ pub struct Projector {
     tracks: Tracks,
     /// Time of the frame that the tracks know.
     tracked: Option<Instant>,
-    /// By how much held contacts are likely later than their time; zero of scans.
+    /// Likely delay of held contacts after their time; zero for scans.
     later: Duration,
 }
 
@@ -192,7 +192,7 @@ impl Projector {
         })
     }
 
-    /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
+    /// Time at which the loop has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         self.output.next()
     }
@@ -236,7 +236,7 @@ impl Projector {
         self.sensing.take(scan, &self.layout, observer)
     }
 
-    /// Whether K_C follows what it is told of touches ([`Self::touched`]).
+    /// Tells whether K_C follows the number of touches that [`Self::touched`] is given.
     pub fn follows_touches(&self) -> bool {
         let settings = self.sensing.compressor().settings();
         settings.growth > settings.clusters
@@ -247,7 +247,7 @@ impl Projector {
         self.sensing.allow(count);
     }
 
-    /// As [`Self::poll`], once the scans that have come are pushed.
+    /// Does all that is due at `now`, as [`Self::poll`], once the scans that have come are pushed.
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.
@@ -272,10 +272,10 @@ impl Projector {
             .poll(now, targets, texture.as_ref(), actuators, observer)
     }
 
-    /// Everything off, now, and kept off until [`Self::reset`].
+    /// Switches everything off, now, and keeps it off until [`Self::reset`].
     ///
     /// # Errors
-    /// The first board that did not answer.
+    /// Error of the first board that did not answer.
     pub fn all_off<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
@@ -286,12 +286,11 @@ impl Projector {
         self.output.all_off(now, cause, actuators, observer)
     }
 
-    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has
-    /// been called once the cause is gone. Sensor frames come, the loop was called on time, and all outputs
-    /// take an all-off.
+    /// Resets the loop after a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has been
+    /// called once the cause is gone. Sensor frames come, the loop was called on time, and all outputs take an all-off.
     ///
     /// # Errors
-    /// What is still wrong; everything stays off.
+    /// [`Cause`] that still stands; everything stays off.
     pub fn reset<A: Actuators + ?Sized>(
         &mut self,
         now: Instant,
@@ -301,17 +300,17 @@ impl Projector {
         self.output.reset(now, actuators, observer)
     }
 
-    /// As [`Output::settle`].
+    /// Settles that everything is off since `at`, as [`Output::settle`] does.
     pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
         self.output.settle(at, observer)
     }
 
-    /// As [`Output::slept`].
+    /// Accounts for a sleep of the machine, as [`Output::slept`] does.
     pub fn slept(&mut self, now: Instant, span: Duration) {
         self.output.slept(now, span);
     }
 
-    /// As [`Output::still_on`].
+    /// Counts what is not known to be off as on until `at`, as [`Output::still_on`] does.
     pub fn still_on(&mut self, at: Instant) {
         self.output.still_on(at);
     }
@@ -339,7 +338,7 @@ impl Projector {
         }
     }
 
-    /// Where the newest contacts are on the display at `now`; returns how many there are.
+    /// Writes the places of the newest contacts on the display at `now` into the targets; returns their number.
     fn aim(&mut self, now: Instant) -> usize {
         let ours = || Self::ours(&self.sensing, self.drives);
         let (levels, top) = match &self.sensing.compressor().settings().levels {
@@ -369,7 +368,7 @@ impl Projector {
         self.output.timing()
     }
 
-    /// As [`Output::width`].
+    /// Pulse width of one wire for a contact on it with this weight, as in [`Output::width`].
     pub fn width(&self, weight: f32) -> Ticks {
         self.output.width(weight)
     }
@@ -379,7 +378,7 @@ impl Projector {
         self.output.display()
     }
 
-    /// As [`Output::renderer`].
+    /// Renderer of contacts, where the law chooses their pulses, as in [`Output::renderer`].
     pub const fn renderer(&self) -> Option<&Renderer> {
         self.output.renderer()
     }
@@ -394,7 +393,7 @@ impl Projector {
         self.sensing.monitor_mut().summary(now)
     }
 
-    /// What the skin is made of.
+    /// Layout of the skin.
     pub const fn layout(&self) -> &Layout {
         &self.layout
     }
@@ -419,7 +418,7 @@ impl Projector {
         self.output.texture().map_or(0, Texture::rested)
     }
 
-    /// What compression did and could leave out.
+    /// Work of compression, done and left out.
     pub fn work(&self) -> Work {
         self.sensing.compressor().work()
     }

@@ -18,24 +18,25 @@ use super::update::Update;
 use super::weave::{Texture, Weave, gain};
 use super::{Cause, Observer};
 
-/// How stimuli are made.
+/// Settings of an output: how stimuli are made.
 #[derive(Debug)]
 pub struct OutputSettings {
     /// Stimulus duration and onset asynchrony.
     pub timing: Timing,
-    /// From a contact to activations.
+    /// Law from a contact to activations.
     pub illusion: Box<dyn Illusion>,
-    /// How several contacts share wires.
+    /// Rule by which several contacts share wires.
     pub sharing: Sharing,
-    /// What this person needs of each wire.
+    /// Calibration of this person by wire.
     pub calibration: Calibration,
     /// Strokes that are known beforehand; while one runs, live contacts wait.
     pub strokes: Box<[Planned]>,
-    /// Activation to duty.
+    /// Conversion of activation to duty.
     pub drive: Drive,
-    /// How width and current share a level.
+    /// Division of a level into width and current.
     pub share: Share,
-    /// In place of all but timing, strokes and current: pulses that are felt at the contacts within what heat allows.
+    /// Renderer in place of all but timing, strokes and current:
+    /// pulses that are felt at the contacts within what heat allows.
     pub render: Option<RenderSettings>,
 }
 
@@ -98,19 +99,19 @@ pub struct Output {
     pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
-    /// How long each wire is on, where nothing else says.
+    /// Time for which each wire is on, where nothing else says.
     lengths: Box<[Duration]>,
     /// Stimuli of one board at one onset.
     stimuli: Box<[Stimulus]>,
     /// Highest board number in use.
     pub(super) boards: u8,
-    /// What everything was switched off for, as long as it is not known to be off.
+    /// Cause for which everything was switched off, as long as it is not known to be off.
     pub(super) unsettled: Option<Cause>,
     pub(super) next_onset: Instant,
 }
 
 impl Output {
-    /// Nothing is driven yet; the first onset is due at once.
+    /// An output that drives nothing yet; the first onset is due at once.
     pub fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
         let n = display.wires().len();
         let blank = settings.share.of(Ticks::ZERO);
@@ -135,22 +136,23 @@ impl Output {
         }
     }
 
-    /// With a texture on this carrier.
+    /// Adds a texture on this carrier.
     pub fn carry(&mut self, carrier: Carrier) {
         self.texture = Some(Texture::new(carrier, self.guard.prescale()));
     }
 
-    /// A surface so hard, 0 to 1, is met or left at `at`: a tap is felt, where a texture has the display to itself.
+    /// Tells that a surface of this hardness, 0 to 1, is met or left at
+    /// `at`: a tap is felt, where a texture has the display to itself.
     pub fn tap(&mut self, at: Instant, hardness: f64) {
         self.texture.iter_mut().for_each(|t| t.tap(at, hardness));
     }
 
-    /// The texture that it carries.
+    /// The texture on this output, if there is one.
     pub(super) const fn texture(&self) -> Option<&Texture> {
         self.texture.as_ref()
     }
 
-    /// What makes pulses of contacts, where the law chooses them.
+    /// Renderer of contacts, where the law chooses their pulses.
     pub const fn renderer(&self) -> Option<&Renderer> {
         self.renderer.as_ref()
     }
@@ -182,7 +184,7 @@ impl Output {
             .map_or_else(published, |r| r.width(weight))
     }
 
-    /// Tells the watchdog that where targets come from was alive at `at`.
+    /// Tells the watchdog that the source of targets was alive at `at`.
     pub fn hear(&mut self, at: Instant) {
         self.guard.hear(at);
     }
@@ -191,12 +193,12 @@ impl Output {
         now >= self.next_onset
     }
 
-    /// Whether targets handed in now can be rendered: an onset is due, and they are not from a dead source.
+    /// Tells whether targets handed in now can be rendered: an onset is due, and their source is alive.
     pub(super) fn takes_targets(&self, now: Instant) -> bool {
         self.is_due(now) && !self.guard.is_stale(now)
     }
 
-    /// When this half has to be called next, whatever comes in; earlier calls do no harm.
+    /// Time at which this half has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         let texture = self
             .texture
@@ -214,7 +216,7 @@ impl Output {
     /// The guard only looks on where the actuators are emulated registers, which take [`Observed`](crate::guard::Observed):
     /// they get every stimulus as it is, and the observer hears what the guard would have changed, refused or stopped.
     ///
-    /// Returns whether an onset was.
+    /// Returns whether an onset was projected.
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.
@@ -250,7 +252,7 @@ impl Output {
                 stopped.map(|()| onset)
             }
             Err(error) => {
-                // The first error is the one to tell; what the way out adds cannot be told apart.
+                // The first error is told; errors of the all-off have no place beside it.
                 let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
                 Err(error)
             }
@@ -323,7 +325,8 @@ impl Output {
         weave.due(onset).map(|(_, until)| until)
     }
 
-    /// A texture that has the display to itself: its next period, and an onset without a contact where one is due.
+    /// Plays a texture that has the display to itself: its next
+    /// period, and an onset without a contact where one is due.
     fn run<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
@@ -390,7 +393,7 @@ impl Output {
         Ok(())
     }
 
-    /// The wires' stimuli, from an onset to an end or to each wire's own, through the guard and out.
+    /// Puts the wires' stimuli through the guard and out, from an onset to an end or to each wire's own.
     fn render<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
@@ -432,7 +435,7 @@ impl Output {
         onset
     }
 
-    /// The pulse width of every wire and how long it is on; with `length` all are on as long.
+    /// Finds the pulse width of every wire and the time for which it is on; with `length` all are on as long.
     fn activate(&mut self, onset: Instant, targets: &[Target], length: Option<Duration>) {
         if let Some(renderer) = &mut self.renderer {
             let volleys = renderer.render(onset, targets, length, &self.guard);

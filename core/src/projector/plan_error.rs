@@ -1,4 +1,4 @@
-//! What a loop cannot be built of.
+//! Errors of a plan from which no loop can be built.
 
 use super::TextureError;
 use crate::contact::SettingsError;
@@ -7,17 +7,17 @@ use crate::illusion::{CalibrationError, IllusionError, MapError};
 use crate::render::PatternError;
 use crate::skin::BaselineError;
 
-/// Why a plan is no loop.
+/// Error of a plan from which no loop can be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// The module that shall drive the display does not exist; how many there are.
+    /// A driving module that does not exist, with the number of modules.
     #[error("expected a driving module below {0}")]
     NoSuchModule(usize),
-    /// The baseline's settings.
+    /// Settings of the baseline that are refused.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
-    /// The compression settings.
+    /// Settings of the compression that are refused.
     #[error(transparent)]
     Compression(#[from] SettingsError),
     /// A calibration that is not of this display's wires.

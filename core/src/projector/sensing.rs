@@ -15,7 +15,7 @@ use crate::units::{Duration, Instant};
 use super::texture::Sampler;
 use super::{FrameReport, Observer, PlanError, SensingPlan};
 
-/// How often taxels are looked at of which nothing comes.
+/// Time between looks for taxels that send nothing.
 const ROUND: Duration = Duration::from_millis(100);
 
 /// Everything behind the scan, so that it can be handed on while it is borrowed.
@@ -26,7 +26,7 @@ struct Pipeline {
     compressor: Compressor,
     monitor: Monitor,
     texture: Option<Sampler>,
-    /// Whether `relative` leaves out what the baseline found faulty.
+    /// `true` where `relative` leaves out what the baseline found faulty.
     masked: bool,
     /// Each taxel's condition as it was last reported.
     conditions: Box<[Condition]>,
@@ -43,11 +43,11 @@ struct Pipeline {
 pub(super) struct Sensing {
     scan: Scan,
     pipeline: Pipeline,
-    /// Whether every module drives the display, or one.
+    /// `true` where every module drives the display, `false` where one does.
     whole: bool,
-    /// When something came that drives the display.
+    /// Reception of the newest scan that drives the display.
     last_received: Option<Instant>,
-    /// When to look for taxels of which nothing comes.
+    /// Time of the next look for taxels that send nothing.
     next_round: Instant,
 }
 
@@ -113,7 +113,7 @@ impl Pipeline {
         }
     }
 
-    /// Whether nothing is left to do for taxels that are well: they were, and are left out only where the
+    /// Tells whether nothing is left to do for well taxels: they were well before, and are left out only where the
     /// baseline says so.
     fn is_used_whole(&mut self, module: usize, layout: &Layout) -> bool {
         // A baseline that takes a module's reference anew changes by itself what may be used.
@@ -213,7 +213,7 @@ impl Sensing {
         Ok((sensing, layout))
     }
 
-    /// With a texture.
+    /// Adds a texture.
     pub(super) fn sample(&mut self, sampler: Sampler) {
         self.pipeline.texture = Some(sampler);
     }
@@ -223,7 +223,7 @@ impl Sensing {
         self.pipeline.texture.as_ref()?.control(now)
     }
 
-    /// How hard the surface is that was met or left since the last call, 0 to 1, where that is known.
+    /// Takes the hardness, 0 to 1, of a surface that was met or left since the last call, where that is known.
     pub(super) fn take_tap(&mut self) -> Option<f64> {
         self.pipeline.texture.as_mut()?.take_tap()
     }
@@ -273,7 +273,8 @@ impl Sensing {
         Ok(())
     }
 
-    /// Takes contacts that another loop found, as of `at`. Taxels are not looked at any more: none of them is here.
+    /// Takes contacts that another loop found, as of `at`. Taxels
+    /// are not looked at any more: this loop has none of them.
     pub(super) fn hold(&mut self, at: Instant, contacts: &[Contact], observer: &mut impl Observer) {
         self.next_round = Instant::FAR_FUTURE;
         self.last_received = self.last_received.max(Some(at));
@@ -290,7 +291,7 @@ impl Sensing {
         });
     }
 
-    /// Looks for taxels of which nothing comes.
+    /// Looks for taxels that send nothing.
     pub(super) fn look_round(
         &mut self,
         now: Instant,

@@ -1,4 +1,4 @@
-//! Everything off: asked for, known, and the way back.
+//! Everything off: the request, the confirmation, and the way back.
 
 use crate::driver::Actuators;
 use crate::units::{Board, Duration, Instant};
@@ -7,11 +7,12 @@ use super::update::Update;
 use super::{Cause, Observer, Output};
 
 impl Output {
-    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has been
-    /// called once the cause is gone. The source is alive, the calls were on time, and all outputs take an all-off.
+    /// Resets the output after a stop: nothing is driven after [`Self::all_off`],
+    /// whatever its cause, until this has been called once the cause is gone. The
+    /// source is alive, the calls were on time, and all outputs take an all-off.
     ///
     /// # Errors
-    /// What is still wrong; everything stays off. [`Cause::Overrun`] says that this all-off came too late.
+    /// [`Cause`] that still stands; everything stays off. [`Cause::Overrun`] says that this all-off came too late.
     pub fn reset<A: Actuators + ?Sized>(
         &mut self,
         now: Instant,
@@ -27,11 +28,11 @@ impl Output {
         self.guard.reset(now)
     }
 
-    /// Everything off, now, and kept off until [`Self::reset`]. What could not be switched off counts as on until
-    /// [`Self::settle`] or an all-off that succeeds.
+    /// Switches everything off, now, and keeps it off until [`Self::reset`]. What could not be switched off counts as
+    /// on until [`Self::settle`] or an all-off that succeeds.
     ///
     /// # Errors
-    /// The first board that did not answer.
+    /// Error of the first board that did not answer.
     pub fn all_off<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
@@ -55,26 +56,27 @@ impl Output {
         off
     }
 
-    /// Everything is known to be off since `at` by another way than the driver's: its outputs are cut, or its boards were
-    /// started anew. Does nothing where all is known to be off. Whether a wire was on for too long meanwhile.
+    /// Settles that everything is known to be off since `at` by another way than the
+    /// driver's: its outputs are cut, or its boards were started anew. It does nothing
+    /// where all is known to be off. Returns whether a wire was on for too long meanwhile.
     pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
         let cause = self.unsettled.take();
         cause.is_some_and(|cause| self.off(at, cause, observer))
     }
 
-    /// What is on at `now` was on for `span` longer than the clock says: the machine slept. It counts as on until it is known
-    /// to be off.
+    /// Counts what is on at `now` as on for `span` longer than the clock says, since the machine slept, and from then
+    /// on until it is known to be off.
     pub fn slept(&mut self, now: Instant, span: Duration) {
         self.guard.ask_off(now);
         self.guard.still_on(now + span);
     }
 
-    /// What is not known to be off was on until `at`, and may still be.
+    /// Counts what is not known to be off as on until `at`; it may still be on.
     pub fn still_on(&mut self, at: Instant) {
         self.guard.still_on(at);
     }
 
-    /// Everything is off since `at`. Whether that was too late.
+    /// Tells the guard and the observer that everything is off since `at`. Returns whether that was too late.
     fn off(&mut self, at: Instant, cause: Cause, observer: &mut impl Observer) -> bool {
         self.guard.all_off(at);
         let overran = self.guard.overran();

@@ -32,7 +32,7 @@ impl Strokes {
         }
     }
 
-    /// When the next stimulus begins.
+    /// Start of the next stimulus.
     pub(super) fn next(&self) -> Instant {
         self.dabs
             .get(self.next)
@@ -59,7 +59,7 @@ impl Strokes {
         self.left = spans.into();
     }
 
-    /// Whether a stroke has the display, or a board of it, at that time.
+    /// Tells whether a stroke has the display, or a board of it, at that time.
     pub(super) fn hold(&self, at: Instant) -> bool {
         let mut all = self.spans.iter().chain(&self.left);
         all.any(|(start, end)| *start <= at && at < *end)

@@ -1,9 +1,9 @@
-//! What is felt where a surface is met and where it is left: pulses on all wires that die away, as contact transients are
+//! Taps where a surface is met and where it is left: pulses on all wires that die away, as contact transients are
 //! rendered. A harder surface answers with denser and stronger ones.
 
 use crate::units::{Duration, Instant, Prescale};
 
-/// A tap is over within so long, the guard's longest burst less a period.
+/// Longest tap: the guard's longest burst less a period.
 const LENGTH: Duration = Duration::from_micros(44_900);
 /// Nanoseconds times millihertz in one period.
 const WHOLE: u64 = 1_000_000_000_000;
@@ -11,13 +11,13 @@ const WHOLE: u64 = 1_000_000_000_000;
 /// A figure of taps at both ends of hardness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Firmness<T> {
-    /// For the softest surface.
+    /// Figure for the softest surface.
     pub soft: T,
-    /// For the hardest.
+    /// Figure for the hardest surface.
     pub hard: T,
 }
 
-/// How taps are felt.
+/// Settings of taps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
     /// Pulses per second, millihertz; at most the carrier's.
@@ -43,7 +43,7 @@ pub(super) struct Tap {
 }
 
 impl Tap {
-    /// Beginning at `start`, of a surface so hard, 0 to 1.
+    /// Tap of a surface of this hardness, 0 to 1, that begins at `start`.
     pub(super) fn new(taps: &Taps, start: Instant, hardness: f64, carrier: Prescale) -> Self {
         let hardness = hardness.clamp(0.0, 1.0);
         let between = |soft: f64, hard: f64| soft + (hard - soft) * hardness;
@@ -61,12 +61,12 @@ impl Tap {
         }
     }
 
-    /// Since its start, when a period begins.
+    /// Time from the tap's start to the start of a period.
     fn since(&self, period: u64) -> Duration {
         Duration::from_micros(period * self.period_ns / 1000)
     }
 
-    /// When its next pulse begins; never once it is over.
+    /// Start of the tap's next pulse; never once the tap is over.
     pub(super) fn next(&self) -> Instant {
         if self.since(self.period + 1) > LENGTH {
             return Instant::FAR_FUTURE;

@@ -17,7 +17,7 @@ use super::tap::Taps;
 /// A texture whose last sample is older than this is no longer felt.
 const SILENCE: Duration = Duration::from_millis(100);
 
-/// What carries a texture to the finger.
+/// Carrier of a texture to the finger.
 #[derive(Clone, Debug)]
 pub enum Carrier {
     /// The whole display: pulses of (3.1) move over its wires, contacts do not show. Surfaces whose hardness is known are felt
@@ -27,7 +27,7 @@ pub enum Carrier {
     Contacts,
 }
 
-/// What a texture needs.
+/// Settings of a texture.
 #[derive(Debug)]
 pub struct TexturePlan {
     /// The network.
@@ -39,11 +39,11 @@ pub struct TexturePlan {
     /// One contact rubs over the module: the network hears it as a stroke over the whole face, which is what networks are trained
     /// on. Where the contact is and which way it goes says the contact itself.
     pub gather: bool,
-    /// From sample to sample.
+    /// Time from sample to sample.
     pub sample: Duration,
-    /// (3.2).
+    /// Map from the latent vector to control parameters, (3.2).
     pub map: ControlMap,
-    /// What carries it.
+    /// Carrier of the texture.
     pub carrier: Carrier,
 }
 
@@ -51,13 +51,13 @@ pub struct TexturePlan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {
-    /// The stroked module does not exist; how many there are.
+    /// A stroked module that does not exist, with the number of modules.
     #[error("expected a stroked module below {0}")]
     NoSuchModule(usize),
-    /// The network has so many features, the plan names another number.
+    /// Another number of features in the plan than in the network, with the network's.
     #[error("expected a taxel and axis for each of {0} features")]
     Features(usize),
-    /// This feature's taxel or axis does not exist.
+    /// A feature whose taxel or axis does not exist.
     #[error("feature {0}: expected a taxel and axis of the skin")]
     NoSuchTaxel(usize),
 }
@@ -69,13 +69,13 @@ pub struct TextureReport<'a> {
     pub at: Instant,
     /// The latent vector z.
     pub latent: &'a [f32],
-    /// How rough that is, 0 to 1.
+    /// Roughness of the latent vector, 0 to 1.
     pub roughness: f64,
-    /// What (3.2) makes of it.
+    /// Control parameters that (3.2) makes of it.
     pub control: Control,
 }
 
-/// From scans to control parameters.
+/// Sampler of a texture: scans in, control parameters out.
 #[derive(Debug)]
 pub(super) struct Sampler {
     module: u16,
@@ -84,7 +84,7 @@ pub(super) struct Sampler {
     sample: Box<[f32]>,
     /// The module's first taxel.
     start: usize,
-    /// Where features are gathered.
+    /// Gathering of features, where one contact rubs over the module.
     gathering: Option<Gathering>,
     stream: Stream,
     window: usize,
@@ -94,16 +94,16 @@ pub(super) struct Sampler {
     touched: usize,
     newest: Option<Control>,
     last: Instant,
-    /// How hard the surface is, by the newest window of this touch or the one before.
+    /// Hardness of the surface, by the newest window of this touch or the one before.
     hardness: Option<f64>,
-    /// When the module was touched last.
+    /// Time of the module's newest touch.
     left: Instant,
-    /// A surface so hard was met or left.
+    /// Hardness of a surface that was met or left, until it is taken.
     tap: Option<f64>,
 }
 
 impl Sampler {
-    /// Windows end with the onsets of the grid, `every` apart.
+    /// A sampler whose windows end with the onsets of the grid, `every` apart.
     pub(super) fn new(
         plan: TexturePlan,
         layout: &Layout,
@@ -151,7 +151,7 @@ impl Sampler {
         Ok((sampler, plan.carrier))
     }
 
-    /// A scan of `module`, which is touched or not, and what its taxels read at rest.
+    /// Takes a scan of `module`, which is touched or not, with the reference of its taxels at rest.
     pub(super) fn scan(
         &mut self,
         scan: &Scan,
@@ -206,12 +206,12 @@ impl Sampler {
         }
     }
 
-    /// How hard the surface is that was met or left since the last call, 0 to 1.
+    /// Takes the hardness, 0 to 1, of a surface that was met or left since the last call.
     pub(super) fn take_tap(&mut self) -> Option<f64> {
         self.tap.take()
     }
 
-    /// What is felt at `now`.
+    /// Control parameters of the texture that is felt at `now`.
     pub(super) fn control(&self, now: Instant) -> Option<Control> {
         self.newest.filter(|_| now.since(self.last) <= SILENCE)
     }

@@ -6,7 +6,7 @@ use crate::units::{Board, Instant};
 
 /// An update as the loop puts it on the outputs: [`Guarded`], or [`Observed`] where the guard only looks on.
 pub trait Update: Sized {
-    /// Whether a stop of the guard switches off.
+    /// `true` where a stop of the guard switches off.
     const STOPS: bool;
 
     /// Returns what the stimuli of one board change, if anything.

@@ -1,4 +1,4 @@
-//! Which part of the skin the display shows: one rectangle for good, or one that goes where most happens.
+//! The part of the skin that the display shows: one rectangle for good, or one that goes where most happens.
 
 use super::Projector;
 use super::weave::Texture;
@@ -15,7 +15,7 @@ pub struct Window {
     pub hysteresis: f32,
 }
 
-/// What a window needs to move.
+/// Settings of a window that moves.
 #[derive(Clone, Copy, Debug)]
 struct Moving {
     window: Window,
@@ -28,7 +28,7 @@ struct Moving {
 pub struct View {
     map: Map,
     moving: Option<Moving>,
-    /// Whether nothing is shown.
+    /// `true` where nothing is shown.
     hidden: bool,
 }
 
@@ -45,12 +45,12 @@ impl Projector {
         (found.count(), shown.count())
     }
 
-    /// Whether contacts are felt: the skin is shown, and no texture has the display to itself.
+    /// Tells whether contacts are felt: the skin is shown, and no texture has the display to itself.
     pub fn renders_contacts(&self) -> bool {
         !self.view.hidden && !self.plays_texture_alone()
     }
 
-    /// Whether a texture has the display to itself.
+    /// Tells whether a texture has the display to itself.
     pub fn plays_texture_alone(&self) -> bool {
         self.output.texture().is_some_and(Texture::is_alone)
     }
@@ -62,7 +62,7 @@ impl Projector {
 }
 
 impl View {
-    /// One rectangle for good.
+    /// A view of one rectangle for good.
     pub const fn fixed(map: Map) -> Self {
         Self {
             map,
@@ -94,13 +94,13 @@ impl View {
         &self.map
     }
 
-    /// Where a contact is on the display; `None` for one that is not shown.
+    /// Place of a contact on the display, mm; `None` for one that is not shown.
     pub(super) fn place(&self, contact: &Contact) -> Option<Point> {
         let shown = !self.hidden && self.map.shows(contact.place);
         shown.then(|| self.map.apply(contact.place))
     }
 
-    /// Moves the window to where most happens in a frame; whether it moved.
+    /// Moves the window to where most happens in a frame; returns whether it moved.
     pub(super) fn frame<'a>(
         &mut self,
         contacts: impl Iterator<Item = &'a Contact> + Clone,

@@ -5,14 +5,14 @@ use crate::units::Instant;
 use super::{Output, Projector};
 
 impl Output {
-    /// As [`Guard::warm`](crate::guard::Guard::warm).
+    /// Tells the guard of a warm face, as [`Guard::warm`](crate::guard::Guard::warm) does.
     pub fn warm(&mut self, at: Instant, face_c: f64, wanted_c: f64) -> f64 {
         self.guard.warm(at, face_c, wanted_c)
     }
 }
 
 impl Projector {
-    /// As [`Guard::warm`](crate::guard::Guard::warm).
+    /// Tells the guard of a warm face, as [`Guard::warm`](crate::guard::Guard::warm) does.
     pub fn warm(&mut self, at: Instant, face_c: f64, wanted_c: f64) -> f64 {
         self.output.warm(at, face_c, wanted_c)
     }

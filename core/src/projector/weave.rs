@@ -72,7 +72,7 @@ impl Weave {
         }
     }
 
-    /// When period `n` begins.
+    /// Start of period `n`.
     fn at(&self, n: u32) -> Instant {
         let since = Duration::from_micros(u64::from(n) * self.period_ns / 1000);
         (self.start + since).min(self.end)
@@ -84,7 +84,7 @@ impl Weave {
         n + bits.checked_shr(n).map_or(128, u128::trailing_zeros)
     }
 
-    /// When the next pulses begin.
+    /// Start of the next pulses.
     pub(super) fn next(&self) -> Instant {
         let first = self.find(self.next, true);
         if first < 128 {
@@ -109,8 +109,8 @@ impl Weave {
     }
 }
 
-/// By how much pulses at `rate_mhz` are wider than those of every period: what is felt grows with the width and with
-/// the root of the number of pulses, so rough textures get coarser, not weaker.
+/// Factor by which pulses at `rate_mhz` are wider than pulses of every period. The felt amplitude grows with the width
+/// and with the root of the number of pulses, so rough textures get coarser, not weaker.
 pub(super) fn gain(rate_mhz: u32, period_ns: u64) -> f32 {
     let part = (u64::from(rate_mhz) * period_ns).clamp(1, WHOLE) as f32;
     libm::sqrtf(WHOLE as f32 / part)
@@ -122,7 +122,7 @@ pub(super) struct Train {
     pulses: Pulses,
     prescale: Prescale,
     period: Duration,
-    /// When the stroke began, while there is one.
+    /// Start of the stroke, while there is one.
     origin: Option<Instant>,
     /// Pulses that a wire's rest swallowed.
     rested: u64,
@@ -133,7 +133,7 @@ pub(super) struct Train {
 }
 
 impl Train {
-    /// When the next period or the next pulse of a tap begins.
+    /// Start of the next period or of the next pulse of a tap.
     pub(super) fn next(&self) -> Instant {
         let tap = self.tap.map_or(Instant::FAR_FUTURE, |tap| tap.next());
         self.next_period().min(tap)
@@ -170,7 +170,7 @@ impl Train {
         Some((at, self.pulses.next(control)))
     }
 
-    /// When the period that was due last ends.
+    /// End of the period that was due last.
     pub(super) fn ends(&self) -> Instant {
         self.next_period()
     }
@@ -198,7 +198,7 @@ impl Train {
     }
 }
 
-/// What the output half keeps of a texture.
+/// State of a texture in the output half.
 #[derive(Debug)]
 pub(super) enum Texture {
     Train(Train),
@@ -222,12 +222,12 @@ impl Texture {
         }
     }
 
-    /// Whether it has the display to itself.
+    /// Tells whether the texture has the display to itself.
     pub(super) const fn is_alone(&self) -> bool {
         matches!(self, Self::Train(_))
     }
 
-    /// When it has something to do next.
+    /// Time at which the texture has something to do next.
     pub(super) fn next(&self) -> Instant {
         match self {
             Self::Train(train) => train.next(),
@@ -235,7 +235,7 @@ impl Texture {
         }
     }
 
-    /// A surface so hard, 0 to 1, was met or left.
+    /// Tells that a surface of this hardness, 0 to 1, was met or left.
     pub(super) fn tap(&mut self, at: Instant, hardness: f64) {
         if let Self::Train(train) = self {
             train.tap(at, hardness);

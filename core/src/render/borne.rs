@@ -1,4 +1,4 @@
-//! What the limits leave of full level: arithmetic, before anything is driven.
+//! Part of full level that the limits leave: arithmetic, before anything is driven.
 //!
 //! A contact asks most of the limits where it is on one wire, which then has all of its power.
 
@@ -11,16 +11,16 @@ use super::{RenderSettings, bearable};
 /// Parts of full amplitude that a contact on one wire can have; 1 for all of it, more for room to spare.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Borne {
-    /// In one burst, from rest.
+    /// Part in one burst, from rest.
     pub once: f32,
-    /// For ten minutes, moving over all wires evenly.
+    /// Part for ten minutes, moving over all wires evenly.
     pub moving: f32,
-    /// For ten minutes, at rest.
+    /// Part for ten minutes, at rest.
     pub resting: f32,
 }
 
 impl RenderSettings {
-    /// What this many wires of a fingertip bear behind a guard at rest.
+    /// Part of full level that this many wires of a fingertip bear behind a guard at rest.
     pub fn borne(&self, guard: &Guard, wires: usize) -> Borne {
         let wire_uw = guard.sustained_uw(SESSION) as f32 * PART;
         let tip_uw = guard.limits().fingertip_60s_uw as f32;

@@ -26,16 +26,17 @@ use crate::units::{Duration, Instant, Ticks};
 use reserve::{Reserve, SESSION};
 use tracks::Tracks;
 
-/// A burst takes at most this part of what rows of power leave, which remember many bursts: a contact that comes to rest
-/// fades slowly.
+/// Largest part that a burst takes of what rows of power leave. These
+/// rows remember many bursts: a contact that comes to rest fades slowly.
 const SLOW: f32 = 0.25;
-/// The same of the other rows.
+/// Largest part that a burst takes of what the other rows leave.
 const FAST: f32 = 0.6;
 /// Largest rise of a contact's scale from one onset to the next: 1.65 dB, the smallest difference in intensity that was
 /// just noticeable on an index pad (Israr 2006).
 const RISE: f32 = 1.209_2;
-/// A scale from which a contact may begin at once: 14 dB under full level, where nothing is felt on a bench of which full level
-/// is a few just noticeable differences over threshold. What had to stop altogether comes back from here.
+/// A scale from which a contact may begin at once: 14 dB under full level. Nothing
+/// is felt there on a bench of which full level is a few just noticeable differences
+/// over threshold. A contact that had to stop altogether comes back from here.
 const SILENT: f32 = 0.2;
 /// Time constant with which a wearer is believed to add up energy in the Pacinian channel, s (`docs/felt.md`). An emulated
 /// person has its own, which may differ.
@@ -45,7 +46,7 @@ const FEW: u8 = 4;
 /// Times that widths are corrected where a fingertip bears less than all contacts want.
 const CORRECTIONS: u32 = 3;
 
-/// How a contact that is felt is rendered.
+/// Rendering of a contact that is felt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
     /// A vibration: bursts of at least 30 ms.
@@ -62,7 +63,7 @@ impl Style {
     /// Every style.
     pub const ALL: [Self; 3] = [Self::Smooth, Self::Tap, Self::Auto];
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",
@@ -71,7 +72,7 @@ impl Style {
         }
     }
 
-    /// Whether a contact that rests or moves is rendered as taps.
+    /// Tells whether a contact that rests or moves is rendered as taps.
     const fn taps(self, rests: bool, pattern: &Pattern) -> bool {
         match self {
             Self::Smooth => false,
@@ -81,33 +82,33 @@ impl Style {
     }
 }
 
-/// What the renderer is told.
+/// Settings of the renderer.
 #[derive(Debug)]
 pub struct RenderSettings {
-    /// Where contacts are felt.
+    /// Law that places contacts.
     pub law: Inverse,
     /// Vibration or taps.
     pub style: Style,
     /// Pulses and cadence.
     pub pattern: Pattern,
-    /// What a wire makes of a pulse.
+    /// Felt amplitude of a pulse by its width.
     pub response: Response,
     /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: what a contact of weight 1
     /// shall have, and no more. [`Response::full`] where no level is asked for.
     pub full: f32,
-    /// How several contacts share wires.
+    /// Rule by which several contacts share wires.
     pub sharing: Sharing,
-    /// What this person needs of each wire. Thresholds are the published laws': here a weak wire may be below its own, since
-    /// all wires of a contact are felt together.
+    /// Calibration of this person by wire. Thresholds are the published laws': here a weak wire may be below its own,
+    /// since all wires of a contact are felt together.
     pub calibration: Calibration,
 }
 
-/// What one wire gets at an onset.
+/// Pulses of one wire at an onset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Volley {
     /// Width of a pulse; zero for a wire that stays off.
     pub width: Ticks,
-    /// How long the wire is on.
+    /// Time for which the wire is on.
     pub length: Duration,
 }
 
@@ -120,7 +121,7 @@ pub struct Renderer {
     /// Amplitude of one contact on each wire, then its pulses.
     one: Box<[f32]>,
     counts: Box<[u8]>,
-    /// Of all contacts.
+    /// Amplitude of all contacts on each wire.
     amplitudes: Box<[f32]>,
     volleys: Box<[Volley]>,
     borne: Borne,
@@ -128,7 +129,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// For the wires of a guard at rest; the last time that it allocates.
+    /// A renderer for the wires of a guard at rest; the last time that it allocates.
     pub fn new(settings: RenderSettings, guard: &Guard, wires: usize) -> Self {
         let rate_uw = guard.sustained_uw(SESSION);
         Self {
@@ -144,12 +145,12 @@ impl Renderer {
         }
     }
 
-    /// How near contacts came to full level so far.
+    /// Nearness of contacts to full level so far.
     pub const fn reached(&self) -> Reached {
         self.reached
     }
 
-    /// How much of full level one wire bears.
+    /// Part of full level that one wire bears.
     pub const fn borne(&self) -> Borne {
         self.borne
     }
@@ -159,8 +160,8 @@ impl Renderer {
         self.settings.response.width(self.settings.full * weight)
     }
 
-    /// What every wire gets at the onset `at` for these contacts, within what the guard leaves. With `length` all bursts are
-    /// as long, such as those of a texture or a known stroke; else the pattern says.
+    /// Pulses of every wire at the onset `at` for these contacts, within what the guard leaves. With `length` all
+    /// bursts are as long, such as those of a texture or a known stroke; else the pattern says.
     pub fn render(
         &mut self,
         at: Instant,
@@ -184,8 +185,8 @@ impl Renderer {
         &self.volleys
     }
 
-    /// Amplitudes and pulses of one contact, scaled to what its wires bear, beside those of others. Returns the part of
-    /// full level that is left to it; infinite for a contact beyond the display.
+    /// Adds amplitudes and pulses of one contact, scaled to what its wires bear, to those of others. Returns the part
+    /// of full level that is left to the contact; infinite for a contact beyond the display.
     fn aim(
         &mut self,
         at: Instant,
@@ -256,8 +257,8 @@ impl Renderer {
         }
     }
 
-    /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
-    /// keeps its part of the power. Returns what is left of every amplitude.
+    /// Converts amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker
+    /// alike: each keeps its part of the power. Returns the part of every amplitude that is left.
     fn widen(&mut self, at: Instant, guard: &Guard) -> f32 {
         let bears = SLOW * guard.fingertip_nj(at) as f32;
         let mut left = 1.0;
@@ -280,7 +281,8 @@ impl Renderer {
     }
 }
 
-/// A contact's first burst over those that follow: a person adds up energy with a leak, and bursts before it have left none.
+/// Ratio of a contact's first burst to those that follow: a person
+/// adds up energy with a leak, and a first burst has none before it.
 fn first(pattern: &Pattern) -> f32 {
     let soa_s = pattern.timing().soa.as_micros() as f32 * 1e-6;
     libm::sqrtf(1.0 / (1.0 - libm::expf(-soa_s / LEAK_S)))

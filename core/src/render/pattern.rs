@@ -1,4 +1,4 @@
-//! How many pulses a burst has, how far apart they are, and how often bursts come.
+//! Pulses of a burst: their number, their spacing, and the time between bursts.
 //!
 //! All pulses of a board are one PWM period apart, whichever wire they are for. Few large pulses are felt better than many
 //! small ones of the same energy (`docs/felt.md`), so a burst has as few as a vibration takes.
@@ -14,7 +14,8 @@ use crate::units::{Duration, Prescale};
 
 /// Bursts on one wire that begin this much after the end of another are bursts of their own, whatever the bus does.
 const APART: Duration = Duration::from_micros(BURST_GAP.as_micros() + 1200);
-/// What lasts 30 ms feels like a vibration and not like a tap (Remache-Vinueza 2025); a hundredth more for rounding.
+/// Shortest burst that feels like a vibration and not like a tap:
+/// 30 ms (Remache-Vinueza 2025), and a hundredth more for rounding.
 const VIBRATION_US: u64 = 30_300;
 /// Pulses of a tap, and the fewest that are no tap.
 const TAP: u8 = 2;
@@ -23,7 +24,7 @@ const SMOOTH: u8 = 3;
 const QUARTERS: u8 = 3;
 /// Most pulses of a burst that are tried.
 const MOST: u8 = 9;
-/// Between bursts where nothing is stated: apparent motion on a fingerpad wants 105 to 125 ms.
+/// Time between bursts where nothing is stated: apparent motion on a fingerpad wants 105 to 125 ms.
 pub const CADENCE: Duration = Duration::from_millis(117);
 
 /// Pulses of a burst, their spacing and the time between bursts.
@@ -35,12 +36,12 @@ pub struct Pattern {
     off: Off,
 }
 
-/// Where in its last pulse's period a channel goes off.
+/// Point of the last pulse's period at which a channel goes off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Off {
-    /// As far from the next pulse as from the last one.
+    /// Half of the period: as far from the next pulse as from the last one.
     Middle,
-    /// Where the pause before the next burst needs the rest of the period.
+    /// A quarter of the period, where the pause before the next burst needs the rest.
     Quarter,
 }
 
@@ -123,7 +124,7 @@ impl Pattern {
         if tap { TAP } else { self.smooth }
     }
 
-    /// How long a channel is on for so many pulses: it goes off within the last one's period.
+    /// Time for which a channel is on for this many pulses: it goes off within the last one's period.
     pub const fn lasts(&self, pulses: u8) -> Duration {
         let quarters = match self.off {
             Off::Middle => 2,

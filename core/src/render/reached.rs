@@ -1,13 +1,13 @@
-//! How near contacts came to the level that they shall have.
+//! Nearness of contacts to the level that they shall have.
 
 use super::RISE;
 
-/// What onsets with a contact on the display came to, of full level.
+/// Summary of the onsets with a contact on the display, in parts of full level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
-    /// How many there were.
+    /// Number of these onsets.
     pub onsets: u64,
-    /// Of them, those at which heat made a contact weaker than it shall be by more than is just noticeable.
+    /// Onsets at which heat made a contact weaker than it shall be by more than is just noticeable.
     pub weaker: u64,
     /// The least part of full amplitude that a contact had.
     pub least: f32,

@@ -1,11 +1,11 @@
-//! What a wire may spend: a bucket that fills at the power it can bear for a whole session.
+//! Energy that a wire may spend: a bucket that fills at the power it can bear for a whole session.
 //!
 //! The guard lets a wire have more for ten seconds than for ten minutes. A contact that rests shall not fade for that long,
 //! so it is held to the power of the long run from the start.
 
 use crate::units::{Duration, Instant};
 
-/// How long the power that fills a reserve could flow.
+/// Time for which the power that fills a reserve could flow.
 pub(super) const SESSION: Duration = Duration::from_millis(600_000);
 /// A full reserve, nJ: what the guard's bucket of a wire has to spend at once, about.
 const FULL_NJ: f32 = 25e6;
@@ -23,7 +23,7 @@ pub(super) struct Reserve {
 }
 
 impl Reserve {
-    /// Full, for a wire that can bear so many microwatts.
+    /// A full reserve for a wire that can bear this power, uW.
     pub(super) fn new(sustained_uw: u64) -> Self {
         Self {
             left_nj: FULL_NJ,
@@ -32,7 +32,7 @@ impl Reserve {
         }
     }
 
-    /// What is left at `at`, nJ.
+    /// Energy left at `at`, nJ.
     pub(super) fn left_nj(&self, at: Instant) -> f32 {
         let filled = self.rate_uw * at.since(self.at).as_micros() as f32 * 1e-3;
         (self.left_nj + filled).min(FULL_NJ)

@@ -1,4 +1,4 @@
-//! What a wire makes of a pulse: the amplitude that is felt, by width.
+//! The response of a wire to a pulse: the amplitude that is felt, by width.
 
 use alloc::boxed::Box;
 
@@ -27,17 +27,18 @@ const LOOSE_8MM: [(u16, f32); 9] = [
 /// Amplitudes by width of a pulse, any unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// By ticks; never falling.
+    /// Amplitudes by ticks; never falling.
     amplitudes: Box<[f32]>,
 }
 
 impl Response {
-    /// Of a wire that expands: in proportion to a pulse's energy, 1 for a pulse of one tick.
+    /// Response of a wire that expands: in proportion to a pulse's energy, 1 for a pulse of one tick.
     pub fn linear(widest: Ticks) -> Self {
         Self::new((0..=widest.get()).map(f32::from).collect())
     }
 
-    /// From an amplitude for each width from no tick on. Where a wider pulse is felt less, the narrower one's counts.
+    /// Response from an amplitude for each width from no tick on.
+    /// Where a wider pulse is felt less, the narrower one's counts.
     pub fn new(mut amplitudes: Box<[f32]>) -> Self {
         let mut most = 0.0;
         for amplitude in &mut amplitudes {

@@ -1,4 +1,4 @@
-//! What the renderer remembers of contacts from onset to onset: how strong each is, and whether it rests.
+//! The renderer's memory of contacts from onset to onset: how strong each is, and whether it rests.
 
 use crate::units::{Duration, Instant, Point};
 
@@ -22,9 +22,9 @@ pub(super) struct Track {
     velocity: (f32, f32),
     since: Instant,
     seen: Instant,
-    /// Its amplitude over what it wants; `None` before its first onset.
+    /// Ratio of the contact's amplitude to the one that it wants; `None` before its first onset.
     pub(super) scale: Option<f32>,
-    /// Whether it rests.
+    /// `true` for a contact that rests.
     pub(super) rests: bool,
 }
 

@@ -11,7 +11,7 @@ use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 /// Most stimuli in a command to a driver unit: eight wires on each of sixteen boards.
 pub const MOST_PLANNED: usize = 128;
 
-/// What the illusion asks of one wire: a pulse train of a width and a peak current for a while.
+/// Request of the illusion to one wire: a pulse train of a width and a peak current for a while.
 ///
 /// Duty and current stand apart: an amplifier may have a current of its own, or one that is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,15 +105,16 @@ pub struct Entry {
     pub on: u16,
     /// Tick at which the pulse ends in each period.
     pub off: u16,
-    /// When the channel goes off: onset + tau_d, or earlier where the burst row cuts it.
+    /// Time at which the channel goes off: onset + tau_d, or earlier where the burst row cuts it.
     pub until: Instant,
     /// Width asked for, in ticks.
     pub requested: Ticks,
     /// End asked for: [`Self::until`], or later where the burst row cut it.
     pub requested_until: Instant,
-    /// What the amplifier was to be set to; `None` where it has a current of its own.
+    /// Current that the amplifier was to be set to; `None` where it has a current of its own.
     pub current: Option<Milliamps>,
-    /// Why the applied width (`off - on`) or end is not the requested one; where the guard only observed, why it would not be.
+    /// Reason for which the applied width (`off - on`) or end is not the requested one; where the guard only observed,
+    /// for which it would not be.
     pub reason: Option<Reason>,
 }
 
@@ -149,7 +150,7 @@ const fn periods(at: Instant, until: Instant, period_ns: u64) -> u64 {
     length_ns.div_ceil(period_ns)
 }
 
-/// How long one stimulus lasts and how far apart onsets lie.
+/// Duration of a stimulus and time between onsets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
     /// Stimulus duration tau_d.

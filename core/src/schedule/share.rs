@@ -1,9 +1,10 @@
-//! How width and current share the level of a stimulus.
+//! Division of a stimulus's level into width and current.
 
 use super::Stimulus;
 use crate::units::{Instant, Milliamps, Ticks};
 
-/// Down to a width a level has less width, below it less current; where the amplifiers have one current, width alone.
+/// Division of a level into width and current: down to a width a level has less width, below it less current.
+/// Amplifiers of one current have less width alone.
 ///
 /// Both bring the same energy: a tenth of a width of few ticks is lost to the rise of the current and to whole ticks, a tenth
 /// of a current is not.
@@ -11,12 +12,12 @@ use crate::units::{Instant, Milliamps, Ticks};
 pub struct Share {
     /// Current of a stimulus that is not below that width.
     pub peak: Milliamps,
-    /// No pulse is narrower; zero for amplifiers of one current.
+    /// Narrowest pulse; zero for amplifiers of one current.
     pub narrowest: Ticks,
 }
 
 impl Share {
-    /// Of amplifiers that have one current.
+    /// Share for amplifiers that have one current.
     pub const fn width(peak: Milliamps) -> Self {
         Self {
             peak,

@@ -1,4 +1,4 @@
-//! Where in the PWM period a channel's pulse stands.
+//! Place of a channel's pulse in the PWM period.
 
 use crate::units::{Channel, Ticks};
 

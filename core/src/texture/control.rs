@@ -1,13 +1,14 @@
-//! From a latent coordinate to what drives the wires, (3.2), in integers: nothing of the network's last digits is left.
+//! Control parameters of the wires from a latent coordinate, (3.2),
+//! in integers: nothing of the network's last digits is left.
 
 use crate::units::Duration;
 
 /// A latent coordinate that stands for a property of surfaces, as training found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatentDriver {
-    /// Which coordinate, from 0.
+    /// Index of the coordinate, from 0.
     pub coordinate: usize,
-    /// Whether the property falls where it grows.
+    /// `true` where the property falls as the coordinate grows.
     pub falls: bool,
     /// The low end z_lo of its range.
     pub low: f32,
@@ -18,16 +19,16 @@ pub struct LatentDriver {
 /// A control parameter at both ends of roughness; either may be the larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span<T> {
-    /// For the smoothest texture.
+    /// Value for the smoothest texture.
     pub smooth: T,
-    /// For the roughest.
+    /// Value for the roughest texture.
     pub rough: T,
 }
 
-/// What z becomes: c1, c2 and c3 of the thesis.
+/// Control parameters from z: c1, c2 and c3 of the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Control {
-    /// From one wire's mean to that of a wire one gap further along the stroke: a larger one is a slower surface.
+    /// Delay from one wire's mean to that of a wire one gap further along the stroke: a larger one is a slower surface.
     pub delta_mu: Duration,
     /// Spread sigma of (3.1).
     pub sigma: Duration,
@@ -36,8 +37,8 @@ pub struct Control {
 }
 
 impl LatentDriver {
-    /// How much of the property a latent vector has, 0 to 1: its place in the range, clamped. A vector without that
-    /// coordinate has nothing of it.
+    /// Amount of the property in a latent vector, 0 to 1: the coordinate's place in the range, clamped. A vector
+    /// without that coordinate has nothing of it.
     fn share(&self, latent: &[f32]) -> f64 {
         let (low, high) = (f64::from(self.low), f64::from(self.high));
         let Some(&z) = latent.get(self.coordinate) else {
@@ -49,7 +50,7 @@ impl LatentDriver {
         if self.falls { 1.0 - part } else { part }
     }
 
-    /// Whether its range is one.
+    /// Checks that the range is one: finite, its low end below its high end.
     fn check(&self) -> Result<(), ControlError> {
         let Self { low, high, .. } = *self;
         let fits = low.is_finite() && high.is_finite() && low < high;
@@ -131,13 +132,13 @@ impl ControlMap {
         })
     }
 
-    /// How rough a latent vector is, 0 to 1: its place in the driver's range, clamped. A vector without that
-    /// coordinate is smooth.
+    /// Roughness of a latent vector, 0 to 1: its place in the driver's
+    /// range, clamped. A vector without that coordinate is smooth.
     pub fn roughness(&self, latent: &[f32]) -> f64 {
         self.drivers.roughness.share(latent)
     }
 
-    /// How hard a latent vector is, 0 to 1, where a coordinate says so.
+    /// Hardness of a latent vector, 0 to 1, where a coordinate says so.
     pub fn hardness(&self, latent: &[f32]) -> Option<f64> {
         Some(self.drivers.hardness?.share(latent))
     }

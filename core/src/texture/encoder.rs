@@ -30,7 +30,7 @@ impl Encoder {
         Self::with(model, Vectors::widest())
     }
 
-    /// The same with the vectors of choice, which change no bit.
+    /// Checks the model and packs its weights for these vectors, which change no bit of the results.
     ///
     /// # Errors
     /// What of the model does not fit.

@@ -32,7 +32,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// What a layer's sums start from.
+/// Start values of a layer's sums.
 #[derive(Clone, Copy)]
 pub(super) enum Input<'a> {
     /// Inputs of every column, still to be weighted.
@@ -253,8 +253,8 @@ pub(super) fn step<S: Simd>(
 /// Blocks side by side for a single column: one chain a gate would leave the multipliers waiting.
 const BESIDE: usize = 3;
 
-/// As [`step`] for one column. `backwards` takes the blocks from last to first: weights that the step before read
-/// last are still near.
+/// Steps a single column, as [`step`] does several. `backwards` takes the blocks from last to first: weights that the
+/// step before read last are still near.
 #[inline(always)]
 pub(super) fn step_one<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! What a model is made of, and what is refused: shapes that do not fit, numbers that could overflow.
+//! The parts of a model, and what is refused: shapes that do not fit, numbers that could overflow.
 
 use core::fmt;
 
@@ -63,7 +63,7 @@ pub enum ModelError {
     /// A tensor has another length than the shapes ask for.
     #[error("{place}: expected {expected} numbers, found {found}")]
     Length {
-        /// Which.
+        /// The tensor.
         place: TensorPlace,
         /// Numbers expected.
         expected: usize,
@@ -73,7 +73,7 @@ pub enum ModelError {
     /// A count is zero or too large.
     #[error("{what}: expected 1 to {most}, found {found}")]
     Count {
-        /// What is counted.
+        /// Name of the count.
         what: &'static str,
         /// The largest.
         most: usize,
@@ -85,9 +85,9 @@ pub enum ModelError {
     Inputs {
         /// The layer.
         layer: usize,
-        /// What the one before gives.
+        /// Outputs of the layer before.
         expected: usize,
-        /// What it takes.
+        /// Inputs of this layer.
         found: usize,
     },
     /// A number that is not finite or larger than a million.
@@ -95,9 +95,9 @@ pub enum ModelError {
         "{place}[{index}]: expected a finite number of at most {LARGEST:e} in magnitude, found {found}"
     )]
     Value {
-        /// Which tensor.
+        /// The tensor.
         place: TensorPlace,
-        /// Which of its numbers.
+        /// Index of the number in the tensor.
         index: usize,
         /// The number.
         found: f32,
@@ -127,9 +127,9 @@ pub enum SampleError {
         "value {index} (feature {feature}): expected a finite number near the training range, found {found}"
     )]
     Value {
-        /// Which value of the samples given, counted through: sample times features plus feature.
+        /// Index of the value among the samples given: sample times features plus feature.
         index: usize,
-        /// Its feature.
+        /// Index of its feature.
         feature: usize,
         /// The raw value.
         found: f32,
@@ -137,7 +137,7 @@ pub enum SampleError {
 }
 
 impl Model<'_> {
-    /// What each feature's distance from its smallest value is multiplied by: one over its range, 0 without a range.
+    /// Factor of each feature's distance from its smallest value: one over its range, 0 without a range.
     pub fn factors(&self) -> impl Iterator<Item = f32> {
         let ranges = self.scale_min.iter().zip(self.scale_max);
         ranges.map(|(&low, &high)| {
@@ -146,7 +146,7 @@ impl Model<'_> {
         })
     }
 
-    /// Whether everything fits and nothing can overflow.
+    /// Checks that everything fits and nothing can overflow.
     ///
     /// # Errors
     /// The first thing that does not fit.

@@ -15,7 +15,7 @@ use super::control::Control;
 /// One, in the integers that probabilities are compared in.
 const ONE: u32 = 1 << 24;
 
-/// How pulses are drawn.
+/// Method by which pulses are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Draw {
     /// Each period by itself, seeded: the thesis's.
@@ -126,7 +126,7 @@ pub struct Pulses {
 }
 
 impl Pulses {
-    /// For wires at these places along the stroke, in gaps. Wire n draws from `texture wire n` under `seed`.
+    /// Pulses for wires at these places along the stroke, in gaps. Wire n draws from `texture wire n` under `seed`.
     pub fn new(
         activation: Activation,
         draw: Draw,
@@ -150,7 +150,7 @@ impl Pulses {
         }
     }
 
-    /// When the next period begins.
+    /// Start of the next period.
     pub const fn at(&self) -> Instant {
         Instant::from_micros(self.periods * self.period_ns / 1000)
     }

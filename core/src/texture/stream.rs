@@ -14,22 +14,22 @@ use super::model::SampleError;
 use super::pack::{Aligned, Layer};
 use crate::units::Duration;
 
-/// Which windows are asked for, by the samples that they end with.
+/// Windows that are asked for, by the samples that they end with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
     /// Every one.
     Every,
     /// The newest at each onset of a grid from t = 0; sample n is taken at n times `sample`.
     Onsets {
-        /// From sample to sample.
+        /// Time from sample to sample.
         sample: Duration,
-        /// From onset to onset (the SOA).
+        /// Time from onset to onset (the SOA).
         every: Duration,
     },
 }
 
 impl Ends {
-    /// Whether the window that ends with sample `n` is asked for.
+    /// Tells whether the window that ends with sample `n` is asked for.
     pub const fn asked(self, n: u64) -> bool {
         match self {
             Self::Every => true,
@@ -44,7 +44,7 @@ impl Ends {
         }
     }
 
-    /// Whether a window of `window` samples that begins with sample `n` is asked for.
+    /// Tells whether a window of `window` samples that begins with sample `n` is asked for.
     pub const fn begins(self, n: u64, window: usize) -> bool {
         self.asked(n.saturating_add(window as u64 - 1))
     }
@@ -73,7 +73,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// For `modules` modules; nothing is in flight.
+    /// A stream for `modules` modules; nothing is in flight.
     pub fn new(encoder: Arc<Encoder>, modules: usize) -> Self {
         let (window, stride) = (encoder.window(), encoder.first_stride());
         let state = |layer: &Layer| Aligned::zeros(window * modules * layer.width());

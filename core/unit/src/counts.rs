@@ -1,4 +1,4 @@
-//! What a unit counts and reports.
+//! Counters that a unit keeps and reports.
 
 use palpate_core::schedule::{Entry, Reason};
 
@@ -7,9 +7,9 @@ use palpate_core::schedule::{Entry, Reason};
 pub struct Counts {
     /// Stimuli begun.
     pub applied: u32,
-    /// Of them, those that the guard changed or refused.
+    /// Begun stimuli that the guard changed or refused.
     pub limited: u32,
-    /// Why, a bit for each of [`Reason::ALL`].
+    /// Reasons of the guard for those, a bit for each of [`Reason::ALL`].
     pub reasons: u16,
     /// Stimuli left out: too late, after too old a reading, while stopped, without a wire.
     pub dropped: u32,
@@ -24,7 +24,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// A stimulus that the guard has judged.
+    /// Counts a stimulus that the guard has judged.
     pub(crate) fn judged(&mut self, entry: &Entry) {
         self.applied = self.applied.saturating_add(1);
         if let Some(reason) = entry.reason {

@@ -1,4 +1,4 @@
-//! In place of the pin that cuts all outputs, where a unit has none.
+//! Stand-in for the pin that cuts all outputs, where a unit has none.
 
 use embedded_hal::digital::{ErrorKind, ErrorType, OutputPin};
 

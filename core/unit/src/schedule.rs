@@ -11,7 +11,7 @@ use palpate_core::units::{Board, Channel, Duration, Instant};
 /// says nothing of a hand that moves.
 const HORIZON: Duration = Duration::from_millis(1000);
 
-/// The newest plan, and what of it has begun.
+/// The newest plan, and the stimuli of it that have begun.
 #[derive(Debug)]
 pub(crate) struct Schedule {
     planned: Box<[Planned]>,
@@ -21,7 +21,7 @@ pub(crate) struct Schedule {
     begun: Box<[Option<Instant>]>,
 }
 
-/// Which wire hangs on a channel.
+/// Index of the wire on each channel, by board and channel.
 #[derive(Debug)]
 pub(crate) struct Wires([[Option<u16>; 16]; 16]);
 
@@ -93,13 +93,13 @@ impl Schedule {
         left_out
     }
 
-    /// When the next stimulus begins.
+    /// Onset of the next stimulus.
     pub(crate) fn next(&self) -> Option<Instant> {
         self.planned[..self.count].iter().map(|p| p.at).min()
     }
 
-    /// Takes the stimuli of one board that begin together out of the plan, the earliest that are due first: board, onset,
-    /// how many. They stand in `out` with their wires.
+    /// Takes the stimuli of one board that begin together out of the plan, the earliest that are due first. They stand
+    /// in `out` with their wires. Returns board, onset and number.
     pub(crate) fn due(
         &mut self,
         now: Instant,

@@ -1,4 +1,4 @@
-//! Who may command: a session at a time, begun by an exchange that no recording can repeat.
+//! Sessions: one host at a time may command, after an exchange that no recording can repeat.
 //!
 //! A host knocks with a number it never used before. The unit answers with one of its own, its *challenge*, sealed for
 //! that host. A command under both numbers proves that the host has the key now. With it the session begins, and the
@@ -15,10 +15,10 @@ pub(crate) const KEEP: Duration = Duration::from_millis(500);
 struct Live {
     host: u64,
     unit: u64,
-    /// The newest command's.
+    /// Sequence of the newest command.
     sequence: u64,
     heard: Instant,
-    /// Whether it keeps the unit from other hosts.
+    /// `true` where the session keeps the unit from other hosts.
     kept: bool,
 }
 
@@ -27,12 +27,12 @@ struct Live {
 pub(crate) struct Sessions {
     challenge: u64,
     live: Option<Live>,
-    /// Counts what the unit sends: with the challenge no two datagrams have the same numbers.
+    /// Counts the datagrams that the unit sends: with the challenge no two datagrams have the same numbers.
     sent: u64,
 }
 
 impl Sessions {
-    /// With a first challenge that no start before had.
+    /// Sessions with a first challenge that no start before had.
     pub(crate) const fn new(challenge: u64) -> Self {
         // Zero stands for "no session yet" in a knock.
         let challenge = if challenge == 0 { 1 } else { challenge };
@@ -43,13 +43,13 @@ impl Sessions {
         }
     }
 
-    /// Whether a host is there.
+    /// Tells whether a host has the unit.
     pub(crate) fn is_kept(&self, now: Instant) -> bool {
         self.live
             .is_some_and(|live| live.kept && now.since(live.heard) < KEEP)
     }
 
-    /// Whether a datagram with this header may be of use, before its seal is looked at.
+    /// Tells whether a datagram with this header may be of use, before its seal is looked at.
     ///
     /// # Errors
     /// [`Refusal::Kind`] and [`Refusal::Stale`].
@@ -74,7 +74,7 @@ impl Sessions {
         })
     }
 
-    /// Takes an opened command's header over; whether a session began with it.
+    /// Takes an opened command's header over; returns whether a session began with it.
     ///
     /// # Errors
     /// [`Refusal::Stale`] where another host has the unit and this one does not ask to switch off.
@@ -104,7 +104,8 @@ impl Sessions {
         Ok(begins)
     }
 
-    /// Its host is done with the unit, which any host may have from now on. What was sent before stays refused.
+    /// Releases the unit, whose host is done with it: any host may
+    /// have it from now on. Commands sent before stay refused.
     pub(crate) const fn release(&mut self) {
         if let Some(live) = &mut self.live {
             live.kept = false;

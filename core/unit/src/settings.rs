@@ -1,4 +1,4 @@
-//! What is burnt into a unit, and what cannot be.
+//! Settings burnt into a unit, and those that are refused.
 
 use palpate_core::codec::dac7578::CHANNELS;
 use palpate_core::guard::{CurrentControl, Limits, Plant, PlantError};
@@ -10,14 +10,14 @@ use palpate_core::units::{Board, Channel};
 pub struct Converters<'a> {
     /// 7-bit addresses of the converters, by board.
     pub addresses: &'a [u8],
-    /// What the amplifiers make of a current.
+    /// Full scale of the amplifiers' current, and its largest errors.
     pub control: CurrentControl,
 }
 
-/// What is burnt into a unit.
+/// Settings burnt into a unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
-    /// Shared with its host.
+    /// Key that the unit shares with its host.
     pub key: &'a [u8; 32],
     /// A number that no start of this unit under this key has had: 64 random bits, or a count kept in flash.
     pub boot: u64,
@@ -25,13 +25,13 @@ pub struct Settings<'a> {
     pub wires: &'a [DisplayWire],
     /// 7-bit addresses of the boards, by number.
     pub addresses: &'a [u8],
-    /// Its limits; looser than the hard ones they cannot be.
+    /// Limits of the unit, at most as loose as the hard ones.
     pub limits: Limits,
-    /// What its guard knows of boards and wires.
+    /// Boards and wires as the unit's guard knows them.
     pub plant: Plant,
-    /// Whether its processor bears the guard's thermal rows.
+    /// `true` where the unit's processor bears the guard's thermal rows.
     pub heat: bool,
-    /// What sets the currents; `None` where amplifiers have one of their own.
+    /// Converters that set the currents; `None` for amplifiers with a current of their own.
     pub converters: Option<Converters<'a>>,
 }
 
@@ -39,7 +39,7 @@ pub struct Settings<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// The guard's.
+    /// Limits, boards or wires that the guard refuses.
     #[error(transparent)]
     Plant(PlantError),
     /// No board, or more than sixteen.

@@ -26,15 +26,15 @@ const LATEST: Duration = Duration::from_millis(6);
 const RETRY: Duration = Duration::from_millis(20);
 /// Registers are read back this often, where nothing is driven.
 const VERIFY: Duration = Duration::from_millis(250);
-/// The same where something always is.
+/// Registers are read back this often, where something always is driven.
 const VERIFY_AT_LAST: Duration = Duration::from_millis(1000);
 
-/// How datagrams reach the unit and leave it. Neither call waits.
+/// Transport of datagrams to the unit and from it. Neither call waits.
 pub trait Datagrams {
-    /// Who sent a datagram.
+    /// Sender of a datagram.
     type Peer: Copy;
 
-    /// Puts the oldest datagram that waits into `buffer`; its length and its sender, or `None`.
+    /// Puts the oldest datagram that waits into `buffer`; returns its length and its sender, or `None`.
     fn receive(&mut self, buffer: &mut Buffer) -> Option<(usize, Self::Peer)>;
 
     /// Sends a datagram. One that cannot be sent is lost, as any datagram may be.
@@ -54,12 +54,12 @@ pub struct Unit<I, P, T = NoModule> {
     warm: Option<Warm<T>>,
     counts: Counts,
     phases: Phases,
-    /// When a lost bus is tried again; `None` while it is whole.
+    /// Time at which a lost bus is tried again; `None` while the bus is whole.
     lost: Option<Instant>,
-    /// Nothing begins before the oscillators run.
+    /// Time before which nothing begins: the oscillators start.
     ready: Instant,
     verified: Instant,
-    /// When the newest command was taken.
+    /// Time at which the newest command was taken.
     taken: Instant,
 }
 
@@ -67,17 +67,17 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     /// A unit that has not begun. All that it will ever allocate, it allocates here.
     ///
     /// # Errors
-    /// What no unit can be.
+    /// [`SettingsError`] for settings that no unit can have.
     pub fn new(settings: &Settings<'_>, bus: I, cut: P) -> Result<Self, SettingsError> {
         Self::warming(settings, (bus, cut), None)
     }
 }
 
 impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
-    /// The same with a Peltier module under the fingertip, if there is one.
+    /// Builds a unit with a Peltier module under the fingertip, if there is one. It has not begun.
     ///
     /// # Errors
-    /// What no unit can be.
+    /// [`SettingsError`] for settings that no unit can have.
     pub fn warming(
         settings: &Settings<'_>,
         (bus, cut): (I, P),
@@ -111,8 +111,8 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         })
     }
 
-    /// Everything off first, whatever was before; then the boards are set up. A bus that does not answer is tried again
-    /// by the turns to come.
+    /// Switches everything off first, whatever was before; then sets the boards up. A bus that does not answer is tried
+    /// again by the turns to come.
     pub fn start(&mut self, now: Instant) {
         // A reset lets a bridge go on: it may hold its last current for a tenth of a second.
         if let Some(warm) = &mut self.warm {
@@ -135,7 +135,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         }
     }
 
-    /// Whether the pin took it: one that is not wired does not.
+    /// Sets the pin that cuts all outputs. Returns whether the pin took it: one that is not wired does not.
     fn set_cut(&mut self, cut: bool) -> bool {
         let set = match cut {
             true => self.cut.set_high(),
@@ -149,7 +149,8 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         &self.guard
     }
 
-    /// Goes on from heat and dose that outlived another unit on the same wires, as of `now`. Before it starts.
+    /// Goes on from heat and dose that outlived another unit on
+    /// the same wires, as of `now`. It belongs before the start.
     ///
     /// # Errors
     /// Figures that no guard can have written.
@@ -157,28 +158,28 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         self.guard.remember(memory, now)
     }
 
-    /// What it counted.
+    /// Counters of the unit.
     pub const fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// Whether a host has it.
+    /// Tells whether a host has the unit.
     pub fn is_kept(&self, now: Instant) -> bool {
         self.sessions.is_kept(now)
     }
 
-    /// Everything off, before its program ends. Whether every board took it.
+    /// Switches everything off, before the unit's program ends. Returns whether every board took it.
     pub fn end(&mut self, now: Instant) -> bool {
         self.stop(now, Cause::End);
         self.lost.is_none()
     }
 
-    /// What updates came to on its bus.
+    /// Traffic of updates on the unit's bus.
     pub const fn traffic(&self) -> Traffic {
         self.bank.traffic()
     }
 
-    /// When the next turn is due at the latest; a datagram may come before.
+    /// Time at which the next turn is due at the latest; a datagram may come before.
     pub fn next(&self) -> Instant {
         let warm = self.warm.as_ref().map(|warm| warm.next(&self.guard));
         if let Some(retry) = self.lost {
@@ -212,7 +213,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         }
     }
 
-    /// Takes the datagrams that wait; whose command was the newest.
+    /// Takes the datagrams that wait; returns the sender of the newest command.
     fn receive<D: Datagrams>(&mut self, now: Instant, link: &mut D) -> Option<D::Peer> {
         let mut buffer = [0; MOST];
         let mut asker = None;
@@ -249,7 +250,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         Ok(header)
     }
 
-    /// Opens a datagram and does what it says; a knock's header is handed back.
+    /// Opens a datagram and does what it says; returns a knock's header.
     fn open(
         &mut self,
         now: Instant,
@@ -456,7 +457,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         self.lost = Some(now + RETRY);
     }
 
-    /// Everything off, and off until the host has acknowledged it.
+    /// Switches everything off, and keeps it off until the host has acknowledged it.
     fn stop(&mut self, now: Instant, cause: Cause) {
         if let Some(warm) = &mut self.warm {
             warm.off();
@@ -472,7 +473,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         self.guard.latch(cause);
     }
 
-    /// Everything off now, and nothing planned.
+    /// Switches everything off now, with nothing planned.
     fn all_off(&mut self, now: Instant) {
         self.schedule.clear();
         self.guard.ask_off(now);

@@ -39,7 +39,7 @@ impl Module for NoModule {
     }
 }
 
-/// A module, what regulates it, and what its host wants of it.
+/// A module, its regulator, and its host's request.
 #[derive(Debug)]
 pub(crate) struct Warm<T> {
     module: T,
@@ -53,7 +53,7 @@ fn celsius(mc: u16) -> f64 {
     f64::from(mc) * 1e-3
 }
 
-/// The other way round; the cast saturates.
+/// Millidegrees C of the link; the cast saturates.
 fn milli(c: f64) -> u16 {
     (c * 1e3) as u16
 }
@@ -75,12 +75,13 @@ impl<T: Module> Warm<T> {
         }
     }
 
-    /// What the newest command says.
+    /// Takes the request of the newest command.
     pub(crate) const fn want(&mut self, wanted: Option<Warmth>) {
         self.wanted = wanted;
     }
 
-    /// When its next turn is due; at the latest when the newest reading becomes too old for what flows.
+    /// Time at which the module's next turn is due, at the latest when
+    /// the newest reading becomes too old for a current that flows.
     pub(crate) fn next(&self, guard: &Guard) -> Instant {
         let next = self.regulator.next();
         match self.face.milliamps {
@@ -89,7 +90,7 @@ impl<T: Module> Warm<T> {
         }
     }
 
-    /// What a status says of it.
+    /// Report on the module for a status.
     pub(crate) const fn face(&self) -> Face {
         self.face
     }
@@ -106,7 +107,7 @@ impl<T: Module> Warm<T> {
         }
         self.regulator.see(now, &self.module.reading(now));
         let wanted = self.wanted.filter(|_| drives);
-        // The wires make room for what is wanted; what they have booked already, the face makes room for.
+        // The wires make room for the wanted face; the face makes room for what they have booked already.
         let reserved_c = wanted.map_or(0.0, |w| celsius(w.face_mc) + UNCERTAINTY_K);
         let warmest_c = self.regulator.warmest_c();
         let bears_c = guard.warm(now, warmest_c, reserved_c.min(LIMITS.face_c[1]));
@@ -132,7 +133,7 @@ impl<T: Module> Warm<T> {
         }
     }
 
-    /// Nothing flows from now on, until the next turn.
+    /// Switches the current off until the next turn.
     pub(crate) fn off(&mut self) {
         self.face.milliamps = 0;
         // A bridge that is not reached lets go by itself.

@@ -19,7 +19,7 @@ pub struct RegisterWriter {
     addresses: Box<[u8]>,
     /// Converters by board, and the current at their largest code, where there are any.
     converters: Option<(Box<[u8]>, Milliamps)>,
-    /// Of boards that others drive too, by board: its own channels, a bit each.
+    /// Channels of the writer on boards that others drive too, a bit each, by board.
     own: Option<Box<[u16]>>,
     traffic: Traffic,
 }
@@ -32,7 +32,7 @@ fn registers(setting: Setting) -> [u8; 4] {
 }
 
 impl RegisterWriter {
-    /// For boards behind an emulated bus.
+    /// A writer for boards behind an emulated bus.
     pub fn new(i2c: Shared<I2cHandle>, addresses: &[u8]) -> Self {
         Self {
             i2c,
@@ -43,14 +43,15 @@ impl RegisterWriter {
         }
     }
 
-    /// The same on boards that others drive too: of each the channels that are its own, a bit each.
+    /// Returns the writer for boards that others drive too. `channels`
+    /// has a bit for each channel of this writer, board by board.
     #[must_use]
     pub fn sharing(mut self, channels: &[u16]) -> Self {
         self.own = Some(channels.into());
         self
     }
 
-    /// The same with a DAC7578 for each board, `full_scale` at its largest code.
+    /// Returns the writer with a DAC7578 for each board, `full_scale` at its largest code.
     #[must_use]
     pub fn with_converters(mut self, addresses: &[u8], full_scale: Milliamps) -> Self {
         self.converters = Some((addresses.into(), full_scale));
@@ -77,7 +78,7 @@ impl RegisterWriter {
         Ok(())
     }
 
-    /// What it wrote.
+    /// Traffic of the writer on the bus.
     pub const fn traffic(&self) -> Traffic {
         self.traffic
     }

@@ -18,7 +18,7 @@ use palpate_core::statistics::mean;
 use crate::person::channels::Kick;
 use crate::sensor::surface::{self, SurfaceTexture};
 
-/// What is rated.
+/// Dimension that is rated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Very soft to very hard.
@@ -30,10 +30,10 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// All, in the order of the thesis.
+    /// All dimensions, in the order of the thesis.
     pub const ALL: [Self; 3] = [Self::Hardness, Self::Roughness, Self::Friction];
 
-    /// Its name in figures.
+    /// Name in figures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hardness => "hardness",
@@ -54,7 +54,7 @@ impl Dimension {
 
 /// People of a panel, and how often each is shown a texture.
 pub const SUBJECTS: u32 = 4;
-/// How often each texture is shown to each.
+/// Number of times that each texture is shown to each person.
 pub const REPEATS: u32 = 3;
 /// Trials of one texture.
 pub const TRIALS: u32 = SUBJECTS * REPEATS;
@@ -66,7 +66,8 @@ const WEBER: f64 = 0.2;
 /// The share of the other dimension in what is rated on a display.
 const HALO: f64 = 0.25;
 
-/// What a bare finger feels of a surface whose friction is against that finger: hardness, roughness and friction, 1 to 6.
+/// Ratings by a bare finger of a surface whose friction is
+/// against that finger: hardness, roughness and friction, 1 to 6.
 ///
 /// - Hardness grows with a power of stiffness (Harper and Stevens 1964), roughness with one of the grain of abrasives (Stevens
 ///   and Harris 1962). Of such continua people rate categories nearly by logarithms (Stevens and Galanter 1957), in which
@@ -75,7 +76,7 @@ const HALO: f64 = 0.25;
 ///   rougher (Lederman 1974 by grooves, Blake, Hsiao and Johnson 1997 by heights of dots).
 /// - On a line from slippery to sticky people place surfaces by their coefficient of friction (Smith and Scott 1996).
 ///
-/// Which ends were shown is assumed: those of the emulated materials.
+/// The ends that were shown are assumed: those of the emulated materials.
 pub fn bare_finger(of: &SurfaceTexture) -> [f64; 3] {
     let share = |value: f64, (low, high): (f64, f64)| (value - low) / (high - low);
     let by_ratio = |value: f64, (low, high): (f64, f64)| {
@@ -92,8 +93,8 @@ pub fn bare_finger(of: &SurfaceTexture) -> [f64; 3] {
     shares.map(|share| 1.0 + 5.0 * share.clamp(0.0, 1.0))
 }
 
-/// What a stimulus of the display feels like, before anybody rates it: logarithms of coarseness and slowness; `None`
-/// where nothing was felt, or no motion.
+/// Sensation of a stimulus of the display, before anybody rates it: logarithms of coarseness and slowness; `None` where
+/// nothing was felt, or no motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensation {
     /// Logarithm of the seconds from pulse to pulse on a wire.
@@ -105,9 +106,9 @@ pub struct Sensation {
 /// The ends of the scales, as they were shown beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleEnds {
-    /// What is rated 1.
+    /// Sensation that is rated 1.
     pub smooth: Sensation,
-    /// What is rated 6.
+    /// Sensation that is rated 6.
     pub rough: Sensation,
 }
 
@@ -179,7 +180,7 @@ impl Panel {
 /// Pulses of a wire further apart than this are felt apart, s.
 const APART_S: f64 = 0.1;
 
-/// How far apart pulses are on a wire, s: the geometric mean over all wires, while one pulse follows another.
+/// Time between pulses on a wire, s: the geometric mean over all wires, while one pulse follows another.
 pub fn apart_s(wires: &[Vec<Kick>]) -> Option<f64> {
     let gaps = wires.iter().flat_map(|kicks| kicks.windows(2));
     let gaps = gaps.map(|two| two[1].at_s - two[0].at_s);
@@ -196,8 +197,8 @@ const SMOOTH_S: f64 = 0.03;
 /// The longest way from wire to wire that is one motion, s.
 const LONGEST_S: f64 = 0.3;
 
-/// How long what is felt takes from one position to the next, s: the delay at which neighbours' pulses agree best.
-/// Positions in the order of the stroke, each with its pulses; `None` where there is no such delay.
+/// Time that a sensation takes from one position to the next, s: the delay at which neighbours' pulses agree best.
+/// Positions are in the order of the stroke, each with its pulses; `None` where there is no such delay.
 pub fn step_s(positions: &[Vec<Kick>], seconds: f64) -> Option<f64> {
     let count = (seconds / GRID_S) as usize;
     let envelope = |kicks: &Vec<Kick>| -> Vec<f64> {

@@ -12,12 +12,12 @@ use palpate_core::units::Instant;
 use super::module::EmulatedModule;
 use crate::time::Nanos;
 
-/// How scans get to the host.
+/// Delivery of scans to the host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delivery {
-    /// The shortest way, s.
+    /// Shortest delay, s.
     pub delay_s: f64,
-    /// What is added to it: evenly drawn from nothing to this, s. A scan never overtakes the one before it.
+    /// Largest delay that is added to it, s, drawn evenly from zero. A scan never overtakes the one before it.
     pub jitter_s: f64,
     /// Share of scans that come later still, and by how much, s.
     pub late: (f64, f64),
@@ -26,7 +26,7 @@ pub struct Delivery {
 }
 
 impl Delivery {
-    /// At once and whole.
+    /// Delivery at once and whole.
     pub const DIRECT: Self = Self {
         delay_s: 0.0,
         jitter_s: 0.0,
@@ -49,7 +49,7 @@ pub struct SkinArray {
     chance: RandomStream,
     /// Scans taken so far.
     taken: u64,
-    /// When the newest scan arrives.
+    /// Arrival of the newest scan.
     newest: Nanos,
     way: VecDeque<OnItsWay>,
     /// Memory of scans that have arrived, and of readings.

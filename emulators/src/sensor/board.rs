@@ -12,8 +12,8 @@ use crate::sensor::EmulatedModule;
 use crate::sensor::can::{CanSegment, Filter, NodeConfig, NodeId, Order};
 use crate::time::Nanos;
 
-/// What a board does when a scan is due and frames of the last one have not left. The real boards'
-/// answer is unknown.
+/// Behaviour of a board when a scan is due and frames of the
+/// last one have not left. The real boards' answer is unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overload {
     /// It skips the tick: the next scan starts at the first tick of its clock after the last frame
@@ -25,14 +25,14 @@ pub enum Overload {
     Overwrite,
 }
 
-/// How a board is built.
+/// Settings of a board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoardConfig {
-    /// Its number c on the bus, 0 ..= 15.
+    /// Number c of the board on the bus, 0 ..= 15.
     pub address: u8,
-    /// How it speaks. An MTB board has one module, sends from power-on and takes no commands.
+    /// Protocol of the board. An MTB board has one module, sends from power-on and takes no commands.
     pub protocol: Protocol,
-    /// How a uSkin board's taxels are wired.
+    /// Wiring of a uSkin board's taxels.
     pub wiring: Wiring,
     /// Nominal scans per second, Hz.
     pub scan_hz: f64,
@@ -42,7 +42,7 @@ pub struct BoardConfig {
     pub phase: Nanos,
     /// Sends from power-on without being asked.
     pub autostart: bool,
-    /// What it does when the bus is too slow.
+    /// Behaviour when the bus is too slow.
     pub overload: Overload,
     /// Time between the moments at which successive chips' frames are ready, from the start of the
     /// scan. With 0 a scan's frames are ready together.
@@ -110,7 +110,7 @@ fn wire_order(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Sl
     Ok(order)
 }
 
-/// The same of an MTB board: both halves of every triangle, thermal pads included.
+/// Slots of an MTB board: both halves of every triangle, thermal pads included.
 fn triangles(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Slot>, BoardError> {
     let taxels = modules.first().map_or(0, |m| m.config().taxels.len());
     let halves = |triangle: usize| {
@@ -149,7 +149,7 @@ pub struct SensorBoard {
     readings: Vec<Vec<Reading>>,
     sending: bool,
     powered: bool,
-    /// When the clock started, and how many ticks it has made since.
+    /// Start of the clock, and its ticks since then.
     origin: Nanos,
     ticks: u64,
     period_ns: f64,
@@ -219,22 +219,22 @@ impl SensorBoard {
         Ok(board)
     }
 
-    /// How the board was built.
+    /// Settings that the board was built from.
     pub const fn config(&self) -> &BoardConfig {
         &self.config
     }
 
-    /// Its controller on the segment.
+    /// The board's controller on the segment.
     pub const fn node(&self) -> NodeId {
         self.node
     }
 
-    /// Its modules.
+    /// The board's modules.
     pub fn modules(&self) -> &[EmulatedModule] {
         &self.modules
     }
 
-    /// Whether it sends.
+    /// Tells whether the board sends.
     pub const fn sending(&self) -> bool {
         self.sending
     }
@@ -282,7 +282,7 @@ impl SensorBoard {
         Ok(())
     }
 
-    /// When the board acts next of its own accord.
+    /// Time at which the board acts next of its own accord.
     pub fn next_event(&self) -> Nanos {
         if self.handed < self.order.len() {
             return self.ready(self.handed);
@@ -334,12 +334,12 @@ impl SensorBoard {
         self.ticks = 0;
     }
 
-    /// When tick `n` of the board's clock is, free of accumulated rounding.
+    /// Time of tick `n` of the board's clock, free of accumulated rounding.
     fn tick(&self, n: u64) -> Nanos {
         self.origin + Nanos(libm::rint(n as f64 * self.period_ns) as u64)
     }
 
-    /// When frame `n` of the present scan is ready.
+    /// Time at which frame `n` of the present scan is ready.
     fn ready(&self, n: usize) -> Nanos {
         let group = self.order.get(n).map_or(0, |entry| entry.2);
         self.scan_start + Nanos(group.saturating_mul(self.config.chip_gap.0))

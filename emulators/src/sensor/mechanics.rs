@@ -12,7 +12,7 @@ use crate::time::Nanos;
 /// One sphere on the skin at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
-    /// Its centre over the module, mm in the module's coordinates.
+    /// Centre of the sphere over the module, mm in the module's coordinates.
     pub at: Point,
     /// Normal force, N; zero or less is no touch.
     pub force_n: f64,
@@ -20,8 +20,8 @@ pub struct Press {
     pub diameter_mm: f64,
 }
 
-/// What touches a module as time goes by. The caller's path, an integer clock as its argument. A module crosses
-/// to another thread with what touches it.
+/// Touches of a module as time goes by. The path is the caller's, with an integer clock as its argument. A module
+/// crosses to another thread with what touches it.
 pub trait Touches: Send {
     /// Appends the touches at `now` to `out`.
     fn touches(&self, now: Nanos, out: &mut Vec<Press>);

@@ -8,18 +8,18 @@ use super::mechanics::{Dent, Press, Silicone, Touches};
 use super::transducer::Transducer;
 use crate::time::Nanos;
 
-/// How a module is built.
+/// Settings of a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModuleConfig {
     /// The module's number on the bench: names its random streams (`"taxel m0 t3"`).
     pub number: usize,
-    /// Where its taxels are, mm.
+    /// Places of the taxels, mm.
     pub taxels: Vec<Point>,
     /// Taxels that are there and that the board does not read, by index.
     pub unread: Vec<usize>,
     /// Distance of neighbouring taxels, mm.
     pub pitch_mm: f64,
-    /// What its taxels measure with.
+    /// Transducer of the taxels.
     pub transducer: Transducer,
     /// Range from which each axis of each taxel draws its noise's standard deviation, LSB.
     pub noise_lsb: (f64, f64),
@@ -60,7 +60,7 @@ pub fn grid(rows: usize, columns: usize, pitch_mm: f64) -> Vec<Point> {
         .collect()
 }
 
-/// What stays the same about a taxel.
+/// Constant properties of a taxel.
 #[derive(Clone, Debug)]
 struct Taxel {
     at: Point,
@@ -79,7 +79,7 @@ pub struct EmulatedModule {
     /// Touches at the last sample.
     pressed: Vec<Press>,
     dents: Vec<Dent>,
-    /// Where the response tends to at the last sample, and where the silicone has got.
+    /// Response that the last sample tends to, and the response that the silicone has reached.
     target: Vec<[f64; 3]>,
     response: Vec<[f64; 3]>,
     direct: Vec<[f64; 3]>,
@@ -109,12 +109,12 @@ impl EmulatedModule {
         }
     }
 
-    /// From now on this touches the module.
+    /// Sets what touches the module from now on.
     pub fn touch(&mut self, touches: Box<dyn Touches>) {
         self.touches = touches;
     }
 
-    /// How the module was built.
+    /// Settings that the module was built from.
     pub const fn config(&self) -> &ModuleConfig {
         &self.config
     }

@@ -7,7 +7,7 @@ use palpate_core::codec::can::CanFrame;
 use crate::sensor::rig::{Handle, HostError, SkinBus};
 use crate::time::Nanos;
 
-/// How long the blocking face waits.
+/// Time for which the blocking face waits.
 const PATIENCE: Nanos = Nanos::from_micros(1_000_000);
 
 /// One bus of a rig as a CAN driver sees it.
@@ -79,7 +79,7 @@ impl polled::Can for HostPort {
     type Frame = CanFrame;
     type Error = HostError;
 
-    /// Nothing is ever pushed out of the queue to make room.
+    /// Sends a frame. It pushes nothing out of the queue to make room.
     fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, HostError> {
         match self.rig.transmit(self.bus, frame) {
             Ok(()) => Ok(None),

@@ -88,7 +88,7 @@ impl SkinBus {
         self.segment.next_event().min(self.boards_next)
     }
 
-    /// When the oldest frame was received that the host has yet to read; [`Nanos::MAX`] where there is none.
+    /// Reception of the oldest frame that the host has yet to read; [`Nanos::MAX`] where there is none.
     fn head(&self) -> Nanos {
         self.segment.received_at(self.host).unwrap_or(Nanos::MAX)
     }
@@ -118,7 +118,7 @@ impl SkinBus {
     }
 }
 
-/// What the host's interface can say, in embedded-can's terms.
+/// Errors of the host's interface, in embedded-can's terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HostError {
     /// The transmit queue is full (`ENOBUFS`): try again later.
@@ -130,7 +130,7 @@ pub enum HostError {
     /// The bench has no such bus.
     #[error("no such sensor bus")]
     NoBus,
-    /// What a port waited for did not come.
+    /// No frame or place in the queue came while a port waited.
     #[error("nothing came in the time that the port waits")]
     TimedOut,
 }

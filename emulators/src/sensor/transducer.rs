@@ -1,4 +1,4 @@
-//! What a taxel measures with: its counts at rest, how touch changes them, how far they go.
+//! The transducer of a taxel: its counts at rest, how touch changes them, how far they go.
 
 use super::mechanics::Silicone;
 
@@ -14,7 +14,7 @@ pub enum Generation {
     Now,
 }
 
-/// How a skin turns force into counts.
+/// Conversion of force into counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Transducer {
     /// Magnets over Hall chips, as the uSkin's: three axes of 16 bits, rest values of a generation.
@@ -61,12 +61,12 @@ impl Transducer {
         }
     }
 
-    /// Whether shear counts too.
+    /// Tells whether shear counts too.
     pub(super) const fn shears(self) -> bool {
         matches!(self, Self::Magnetic(_))
     }
 
-    /// What covers the taxels. But for the magnetic skin's all values are assumed.
+    /// Silicone or another cover over the taxels. All values but the magnetic skin's are assumed.
     #[must_use]
     pub fn silicone(self) -> Silicone {
         match self {

@@ -19,11 +19,11 @@ struct Shelf {
     owners: Vec<[Option<(usize, usize)>; 16]>,
     /// By display: edges of its outputs that it has yet to take, with its own numbers of the chips.
     waiting: Vec<Vec<(usize, Edge)>>,
-    /// The same of changes of converters' outputs.
+    /// By display: changes of converters' outputs that it has yet to take, with its own numbers of the chips.
     levels: Vec<Vec<(usize, Level)>>,
     /// By chip: the displays that hold its OE line cut.
     cut_by: Vec<Vec<usize>>,
-    /// How far all chips have come.
+    /// Time that all chips have reached.
     now: Nanos,
 }
 
@@ -115,7 +115,7 @@ impl Shelf {
 pub(super) struct Connection {
     rack: Rack,
     display: usize,
-    /// Its chips by their place on the bus.
+    /// Place on the bus of each of the display's chips.
     chips: Vec<usize>,
 }
 
@@ -125,7 +125,7 @@ impl Connection {
         self.rack.bus()
     }
 
-    /// How far a transaction has carried the bus.
+    /// Time that a transaction has carried the bus to.
     pub(super) fn bus_now(&self) -> Nanos {
         let shelf = self.rack.shelf();
         // Refused only from inside another look at the segment, and there is none here.
@@ -152,7 +152,7 @@ impl Connection {
     /// Takes the changes of its converters' outputs until `to`, in the order of time, with its own numbers of the chips.
     ///
     /// # Errors
-    /// As [`Self::take`].
+    /// The errors of [`Self::take`].
     pub(super) fn take_levels(
         &self,
         to: Nanos,

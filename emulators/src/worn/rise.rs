@@ -16,11 +16,11 @@ pub(super) struct Rise {
     at: Nanos,
     /// Now.
     pub(super) k: f64,
-    /// Most since the last sample.
+    /// Largest excess since the last sample.
     most_k: f64,
     /// Time integral, K s.
     k_s: f64,
-    /// The same at past samples, for the mean.
+    /// Time integral at past samples, K s, for the mean.
     past: VecDeque<(Nanos, f64)>,
     sampled: Nanos,
     /// Hottest tissue at 0.1 and at 0.4 mm, degrees C.
@@ -30,7 +30,7 @@ pub(super) struct Rise {
 }
 
 impl Rise {
-    /// From `now` on the face is `celsius`.
+    /// Sets the face to `celsius` from `now` on.
     pub(super) fn set(&mut self, now: Nanos, celsius: f64) {
         self.pass(now);
         self.k = (celsius - START_C).max(0.0);

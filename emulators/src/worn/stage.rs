@@ -13,7 +13,7 @@ use crate::time::Nanos;
 use super::WirePlace;
 use super::rack::Connection;
 
-/// What an amplifier is told.
+/// Change of an amplifier's input.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     /// A pin goes high or low.
@@ -29,7 +29,7 @@ pub(super) struct Stage {
     config: AmplifierConfig,
     /// Changes of the converters of one step, in the order of time: the same memory for every step.
     levels: Vec<(usize, Level)>,
-    /// What has yet to take effect, when, and in which chip's amplifiers.
+    /// Changes that have yet to take effect: when, and in which chip's amplifiers.
     rising: Vec<(Nanos, usize, Change)>,
 }
 
@@ -60,10 +60,10 @@ impl Stage {
         self.rising.push((at, board, Change::Pin(edge)));
     }
 
-    /// Takes what converters set until `to`; the amplifiers follow in their rise time.
+    /// Takes the levels that converters set until `to`; the amplifiers follow in their rise time.
     ///
     /// # Errors
-    /// As [`Connection::take_levels`].
+    /// The errors of [`Connection::take_levels`].
     pub(super) fn follow(&mut self, chips: &Connection, to: Nanos) -> Result<(), I2cError> {
         let Some(set) = self.config.set else {
             return Ok(());
@@ -80,13 +80,13 @@ impl Stage {
         Ok(())
     }
 
-    /// How many changes take effect until `to`.
+    /// Number of changes that take effect until `to`.
     pub(super) fn due(&mut self, to: Nanos) -> usize {
         self.rising.sort_by_key(|(at, ..)| *at);
         self.rising.partition_point(|(at, ..)| *at <= to)
     }
 
-    /// Has one of those take effect; when, if it changes what a wire is to get.
+    /// Lets one of those changes take effect; returns when, if it changes what a wire is to get.
     pub(super) fn apply(&mut self, index: usize) -> Option<Nanos> {
         let (at, board, change) = *self.rising.get(index)?;
         let amplifier = self.amplifiers.get_mut(board)?;
@@ -97,18 +97,18 @@ impl Stage {
         changed.map(|_| at)
     }
 
-    /// The first of them have taken effect.
+    /// Drops the first `count` changes, which have taken effect.
     pub(super) fn done(&mut self, count: usize) {
         self.rising.drain(..count);
     }
 
-    /// What the wire at a place is to get now.
+    /// Current that the wire at a place is to get now.
     pub(super) fn current(&self, place: &WirePlace) -> Milliamps {
         let amplifier = self.amplifiers.get(usize::from(place.board));
         amplifier.map_or(Milliamps(0), |a| a.current(Channel(place.channel)))
     }
 
-    /// Breaks or repairs the amplifier at a place; whether that changes what its wire is to get.
+    /// Breaks or repairs the amplifier at a place; returns whether that changes what its wire is to get.
     pub(super) fn set_fault(
         &mut self,
         at: Nanos,

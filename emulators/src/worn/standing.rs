@@ -15,12 +15,12 @@ use crate::time::Nanos;
 pub struct Standing {
     now: Nanos,
     wires: Vec<Wire>,
-    /// What a warm face adds to the skin, K.
+    /// Rise of the skin by a warm face, K.
     rise_k: f64,
     books: Option<Books>,
 }
 
-/// What totals need beside the wires.
+/// Figures beside the wires from which totals are made.
 #[derive(Clone, Debug)]
 struct Books {
     peak_supply: Milliamps,
@@ -54,7 +54,7 @@ impl Standing {
         self.wires.iter().map(look).collect()
     }
 
-    /// What the run came to so far; none without the books.
+    /// Totals of the run so far; `None` without the books.
     pub fn totals(&self) -> Option<DisplayTotals> {
         let books = self.books.as_ref()?;
         let mut wires = self.wires.clone();

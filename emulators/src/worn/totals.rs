@@ -1,4 +1,4 @@
-//! What a run came to: peaks over all wires, energy and dose.
+//! Totals of a run: peaks over all wires, energy and dose.
 
 use palpate_core::units::Milliamps;
 
@@ -6,7 +6,7 @@ use crate::display::solver::record::Peaks;
 use crate::display::wire::Wire;
 use crate::time::Nanos;
 
-/// What a run came to.
+/// Totals of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisplayTotals {
     /// Electrical energy into all wires and their leads, J.

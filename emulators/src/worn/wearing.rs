@@ -10,7 +10,7 @@ use crate::time::Nanos;
 /// Equal wires on one finger.
 #[derive(Debug)]
 pub struct Wearing {
-    /// One per place.
+    /// Wires, one per place.
     pub wires: Vec<Wire>,
     perceiver: Option<Perceiver>,
 }
@@ -61,8 +61,8 @@ impl Wearing {
         perceiver.settle();
     }
 
-    /// What a person met since the last onset, felt or not, and begins the next one. `None` where no wire moved or no
-    /// person wears the display.
+    /// Takes the stimulus that a person met since the last onset, felt or not, and begins the next one. `None` where no
+    /// wire moved or no person wears the display.
     pub fn onset(&mut self, now: Nanos) -> Option<Felt> {
         self.settle(now);
         let count = self.wires.len() as f64;

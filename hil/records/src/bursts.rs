@@ -1,16 +1,16 @@
-//! Which wire was on from when to when: the schedule's entries put back together into bursts.
+//! Bursts of the wires, start to end, put back together from the schedule's entries.
 
 use crate::trace::{Event, Header, Trace, WireInfo};
 use palpate_core::schedule::{Entry, Reason};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// What is driven: a wire of the display, or an output that drives none.
+/// Output that is driven: a wire of the display, or an output without a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DrivenOutput {
-    /// By its index in the display's layout.
+    /// A wire, by its index in the display's layout.
     Wire(u16),
-    /// By board and channel.
+    /// An output without a wire, by board and channel.
     Pin(u8, u8),
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for DrivenOutput {
 /// One stay of an output: on at a width, or held off although something was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Burst {
-    /// What is driven.
+    /// Output that is driven.
     pub output: DrivenOutput,
     /// Start, microseconds.
     pub from_us: u64,
@@ -36,7 +36,7 @@ pub struct Burst {
     pub width: u16,
     /// Width asked for, ticks.
     pub requested: u16,
-    /// Why they differ.
+    /// Reason for which the two widths differ.
     pub reason: Option<Reason>,
 }
 
@@ -50,7 +50,7 @@ impl Burst {
     }
 }
 
-/// What a channel of a board drives.
+/// Output that a channel of a board drives.
 fn output(header: &Header, board: u8, channel: u8) -> DrivenOutput {
     let drives = |w: &WireInfo| w.board == board && w.channel == channel;
     let index = header.wires.iter().position(drives);

@@ -9,7 +9,7 @@ use palpate_core::units::Instant;
 /// One line of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Logged {
-    /// Its time, microseconds: since the start of a run or since 1970, as the log was made.
+    /// Time of the line, microseconds: since the start of a run or since 1970, as the log was made.
     pub at: Instant,
     /// The interface's name.
     pub interface: String,
@@ -23,7 +23,7 @@ pub struct Logged {
 pub struct Malformed {
     /// Line number, from 1.
     pub line: usize,
-    /// What was expected.
+    /// Content that was expected.
     pub expected: &'static str,
     /// Frames in the lines before it.
     pub before: usize,
@@ -99,16 +99,16 @@ pub fn read(text: &str) -> Result<Log, Malformed> {
     Ok(log)
 }
 
-/// Whether a malformed last line may be one that was cut.
+/// Tells whether a malformed last line may be one that was cut.
 #[must_use]
 pub fn is_cut(line: &str) -> bool {
     line.starts_with('(')
 }
 
-/// One line; `None` for a frame of another kind.
+/// Reads one line; `None` for a frame of another kind.
 ///
 /// # Errors
-/// What was expected in its place.
+/// The content that was expected in place of the line.
 pub fn read_line(line: &str) -> Result<Option<Logged>, &'static str> {
     const SHAPE: &str = "`(seconds.microseconds) interface id#data`";
     let mut words = line.split_whitespace();

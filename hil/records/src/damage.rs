@@ -1,4 +1,4 @@
-//! What is wrong with a text of ours, and where.
+//! Damage of a text that Palpate wrote, with its line.
 
 /// The first line that has no place in a golden, a schedule file or a table of contacts.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -6,14 +6,14 @@
 pub struct Damage {
     /// Line, counted from one.
     pub line: usize,
-    /// What should be there.
+    /// Content that should be there.
     pub expected: String,
-    /// What is.
+    /// Content that is there.
     pub found: String,
 }
 
 impl Damage {
-    /// Line number `line` reads `found`, and wants something else.
+    /// Damage of line number `line`, which reads `found` in place of `expected`.
     pub(crate) fn of_line(line: usize, expected: &str, found: &str) -> Self {
         Self {
             line,

@@ -17,7 +17,8 @@ pub fn trace_digest(trace: &Trace) -> String {
     sink.finish()
 }
 
-/// The same over taxels, frames, contacts and truth alone: a change behind the compression leaves it.
+/// First 16 hex digits of the SHA-256 over taxels, frames, contacts
+/// and truth alone: a change behind the compression leaves it.
 pub fn contacts_digest(trace: &Trace) -> String {
     let mut sink = Sink::default();
     sink.add(&trace.header.taxels);
@@ -29,7 +30,7 @@ pub fn contacts_digest(trace: &Trace) -> String {
     sink.finish()
 }
 
-/// The same over what was sent to the boards alone: a change of a physical model leaves it.
+/// First 16 hex digits of the SHA-256 over the commands to the boards alone: a change of a physical model leaves it.
 pub fn schedule_digest(trace: &Trace) -> String {
     let mut digest = ScheduleDigest::default();
     digest.add(&trace.events, u64::MAX);
@@ -45,7 +46,7 @@ pub struct ScheduleDigest {
 }
 
 impl ScheduleDigest {
-    /// The next events, in the order in which they were noticed. None that comes later is older than `until_ns`.
+    /// Adds the next events, in the order in which they were noticed. None that comes later is older than `until_ns`.
     pub fn add(&mut self, events: &[Event], until_ns: u64) {
         let Self { sink, waiting } = self;
         let sent = events.iter().filter(|e| {
@@ -60,7 +61,7 @@ impl ScheduleDigest {
         waiting.drain(..due).for_each(|event| sink.add(&event));
     }
 
-    /// The digest of all of them.
+    /// The digest of all added events.
     pub fn finish(self) -> String {
         let Self { mut sink, waiting } = self;
         waiting.iter().for_each(|event| sink.add(event));

@@ -10,7 +10,7 @@ use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace, event};
 /// A centroid: its name, and which of the two places is its.
 type Centroid = (&'static str, fn(&FeltAt) -> PlaceUm);
 
-/// Both.
+/// Both centroids, each with its name and its place in a stimulus.
 const CENTROIDS: [Centroid; 2] = [
     ("energy centroid", |felt| felt.energy),
     ("amplitude centroid", |felt| felt.amplitude),
@@ -22,7 +22,7 @@ const SILENCE_MDB: i32 = -200_000;
 /// A felt path by one centroid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeltScore {
-    /// Which.
+    /// Name of the centroid.
     pub perceiver: &'static str,
     /// Place against the mapped contact, display space, over the onsets with the contact inside the display. The place is
     /// that of the wires' motion, whether the level reaches the threshold or not. `None` where no wire moved.
@@ -46,14 +46,14 @@ pub struct FeltPath {
     step_um: u64,
     soa_us: u64,
     by: [Followed; 2],
-    /// How often each level came, thousandths of a decibel.
+    /// Number of onsets by level, thousandths of a decibel.
     levels: BTreeMap<i32, u64>,
     taps: u64,
     /// Least and most: requested, applied, felt.
     energies: Option<[Range; 3]>,
 }
 
-/// What one centroid came to so far.
+/// Score of one centroid so far.
 #[derive(Debug, Default)]
 struct Followed {
     sum: Sum,
@@ -115,14 +115,14 @@ impl FeltPath {
         }
     }
 
-    /// By both centroids, the energy's first.
+    /// Scores by both centroids, the energy's first.
     pub fn scores(&self) -> [FeltScore; 2] {
         let [energy, amplitude] = &self.by;
         let [(first, _), (second, _)] = CENTROIDS;
         [energy.score(first), amplitude.score(second)]
     }
 
-    /// As [`felt_level`].
+    /// Level of the onsets so far; `None` where no contact was inside the display.
     pub fn level(&self) -> Option<FeltLevel> {
         let count: u64 = self.levels.values().sum();
         let at = |hundredths: u64| {
@@ -141,7 +141,7 @@ impl FeltPath {
         })
     }
 
-    /// As [`energies`].
+    /// Least and most energy of the onsets so far: requested, applied and felt, as in [`energies`].
     pub fn energies(&self) -> Option<[(&'static str, Range); 3]> {
         let [requested, applied, felt] = self.energies?;
         Some([
@@ -195,12 +195,12 @@ fn felt_step_um(wires: &[PlaceUm]) -> u64 {
     pairs.min().map_or(u64::MAX, |gap2| gap2.isqrt() / 5)
 }
 
-/// How far over threshold the onsets with a contact inside the display were, thousandths of a decibel.
+/// Levels over threshold of the onsets with a contact inside the display, thousandths of a decibel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeltLevel {
     /// Half of the onsets were weaker.
     pub median_mdb: i32,
-    /// One in twenty was.
+    /// One in twenty onsets was weaker.
     pub p5_mdb: i32,
     /// Onsets that were so short that they feel like taps.
     pub taps: u64,

@@ -8,9 +8,9 @@ use palpate_core::units::Ticks;
 /// A total or a margin to the thousandth, as goldens and reports print it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// What was measured.
+    /// Name of the measured quantity.
     pub name: String,
-    /// How much, thousandths of the unit; `None` where nothing measured it.
+    /// Value in thousandths of the unit; `None` where nothing measured it.
     pub value: Option<i64>,
     /// Unit, empty for a count.
     pub unit: String,
@@ -18,7 +18,7 @@ pub struct Figure {
     pub limit: Option<i64>,
     /// Part of the limit that was used, thousandths of a percent.
     pub used: Option<i64>,
-    /// Whether the limit was passed.
+    /// `true` where the limit was passed.
     pub over: bool,
 }
 
@@ -61,7 +61,7 @@ impl Figure {
         }
     }
 
-    /// What [`Figure::text`] printed; `None` for another text.
+    /// Value that [`Figure::text`] printed; `None` for another text.
     pub(crate) fn read(text: &str) -> Option<Option<i64>> {
         match text {
             "-" => Some(None),

@@ -9,7 +9,7 @@ pub(crate) fn milli(value: i64) -> String {
     format!("{sign}{}.{:03}", magnitude / 1000, magnitude % 1000)
 }
 
-/// As [`milli`], for values that do not fit a signed integer.
+/// Thousandths as a decimal number with three places, for values that do not fit a signed integer.
 pub(crate) fn milli_u(value: u64) -> String {
     format!("{}.{:03}", value / 1000, value % 1000)
 }

@@ -1,4 +1,4 @@
-//! What crossed an actuator bus.
+//! Transfers on an actuator bus.
 
 /// One message of an I2C transfer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -11,10 +11,10 @@ pub struct Transfer {
     pub bus: u8,
     /// 7-bit address.
     pub address: u8,
-    /// From the chip.
+    /// Direction: `true` from the chip.
     pub read: bool,
     /// Bytes after the address.
     pub data: Vec<u8>,
-    /// What went wrong with the transfer.
+    /// Error of the transfer.
     pub error: Option<String>,
 }

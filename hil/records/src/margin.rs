@@ -4,22 +4,22 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use crate::model;
 
-/// What is limited.
+/// Quantity that has a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Limited {
     /// Longest stretch of current in a wire.
     Pulse,
-    /// From the first to the last current of a burst on one wire.
+    /// Time from the first to the last current of a burst on one wire.
     Burst,
     /// Electrical energy of a burst on one wire.
     BurstEnergy,
     /// Mean power of a wire over a second.
     WirePower1s,
-    /// The same over ten seconds.
+    /// Mean power of a wire over ten seconds.
     WirePower10s,
     /// Mean power of all wires of a fingertip over a second.
     FingertipPower1s,
-    /// The same over a minute.
+    /// Mean power of all wires of a fingertip over a minute.
     FingertipPower60s,
     /// Mean power of all fingertips of a hand over a minute.
     HandPower60s,
@@ -37,23 +37,23 @@ pub enum Limited {
     Cem43,
     /// Warmest face of a Peltier module.
     FaceWarm,
-    /// How far under skin at rest its coldest face was.
+    /// Depth of a Peltier module's coldest face under the temperature of skin at rest.
     FaceCold,
-    /// Fastest change of its face.
+    /// Fastest change of a Peltier module's face.
     FaceRamp,
-    /// Warmest sink.
+    /// Warmest sink of a Peltier module.
     Sink,
-    /// Most current through it.
+    /// Most current through a Peltier module.
     PeltierCurrent,
 }
 
 /// The temperature at rest, from which the used part of a temperature limit counts: 33 degrees C.
 const REST_NANO: i64 = 33_000_000_000;
-/// The same of a sink: the air of a room.
+/// Temperature at rest of a sink: the air of a room, 25 degrees C.
 const ROOM_NANO: i64 = 25_000_000_000;
 
 impl Limited {
-    /// Its name in tables and JSON.
+    /// Name in tables and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pulse => "pulse",
@@ -78,7 +78,7 @@ impl Limited {
         }
     }
 
-    /// Its unit.
+    /// Unit of its values.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Pulse => "us",
@@ -98,7 +98,7 @@ impl Limited {
         }
     }
 
-    /// Its value when nothing happens, in billionths of the unit.
+    /// Value when nothing happens, in billionths of the unit.
     const fn rest_nano(self) -> i64 {
         match self {
             Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm => REST_NANO,
@@ -111,7 +111,7 @@ impl Limited {
 /// A limit and the worst that came, in billionths of the unit: the doses are that small, and a trace is integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Margin {
-    /// What is limited.
+    /// Quantity that is limited.
     pub of: Limited,
     /// The worst of the run.
     pub worst_nano: i64,
@@ -120,8 +120,8 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// A value and its limit in the unit of `of`. What is no number counts as the largest there is, which no limit
-    /// is; minus infinity, the largest of nothing, as rest.
+    /// A margin from a value and its limit in the unit of `of`. NaN counts as the largest value there is, which no
+    /// limit is. Minus infinity, the largest of nothing, counts as rest.
     pub fn new(of: Limited, worst: f64, limit: f64) -> Self {
         Self {
             of,
@@ -140,7 +140,7 @@ impl Margin {
         self.limit_nano as f64 / 1e9
     }
 
-    /// What was left, in the unit; negative beyond the limit.
+    /// Part of the limit that was left, in the unit; negative beyond the limit.
     pub fn left(&self) -> f64 {
         self.limit_nano.saturating_sub(self.worst_nano) as f64 / 1e9
     }
@@ -154,7 +154,7 @@ impl Margin {
         )
     }
 
-    /// The same as a part of one; infinite for a limit at rest.
+    /// Part of the limit that was used, counted from rest, 1 for all of it; infinite for a limit at rest.
     pub fn used(&self) -> f64 {
         self.used_milli_percent()
             .map_or(f64::INFINITY, |used| used as f64 / 1e5)
@@ -170,7 +170,7 @@ impl Margin {
         self.of.unit() == "C" && model::known(self.worst(), model::TISSUE_C).is_none()
     }
 
-    /// Whether the limit was passed.
+    /// Tells whether the limit was passed.
     pub const fn over(&self) -> bool {
         self.worst_nano > self.limit_nano
     }
@@ -213,7 +213,7 @@ pub fn sort(margins: &mut [Margin]) {
     });
 }
 
-/// As `hil run --json` has it: numbers in the unit.
+/// The object of `hil run --json`: numbers in the unit.
 impl Serialize for Margin {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut object = serializer.serialize_struct("Margin", 6)?;

@@ -1,4 +1,4 @@
-//! What a trace amounts to: errors and tallies, all in integers.
+//! Errors and tallies of a trace, all in integers.
 
 use crate::bursts::bursts;
 use crate::fixed::distance2_um;
@@ -6,14 +6,14 @@ use crate::trace::{Event, PlaceUm, Trace, event};
 use palpate_core::units::Ticks;
 use std::collections::BTreeMap;
 
-/// Distances from what should be to what was.
+/// Distances of measured places from wanted ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Errors {
     /// Root of the mean square, micrometres, rounded down.
     pub rmse_um: u64,
     /// The largest, micrometres, rounded down.
     pub max_um: u64,
-    /// How many were measured.
+    /// Number of measured distances.
     pub count: u64,
 }
 
@@ -68,7 +68,7 @@ pub fn length_us(trace: &Trace) -> u64 {
     last.unwrap_or(0)
 }
 
-/// What one wire did.
+/// Tally of one wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WireTally {
     /// Bursts with a width above zero.

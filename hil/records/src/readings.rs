@@ -1,4 +1,4 @@
-//! What every taxel read, frame by frame: kept beside the trace, for a report's playback and for MCAP.
+//! Readings of every taxel, frame by frame: kept beside the trace, for a report's playback and for MCAP.
 
 use crate::trace::PlaceUm;
 use palpate_core::skin::{Layout, Module, RelativeFrame};
@@ -6,9 +6,9 @@ use palpate_core::skin::{Layout, Module, RelativeFrame};
 /// A module of the skin and where its taxels are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModulePlaces {
-    /// Its name in the layout.
+    /// Name of the module in the layout.
     pub name: String,
-    /// Its taxels, in its own plane.
+    /// Places of its taxels, in its own plane.
     pub taxels: Vec<PlaceUm>,
 }
 
@@ -38,19 +38,19 @@ const REPORTED: usize = 1 << 18;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Readings {
     modules: Vec<ModulePlaces>,
-    /// The driving module among them.
+    /// Index of the driving module among them.
     drives: usize,
-    /// Where the first of them begins in a frame of the skin.
+    /// Index of the first kept taxel in a frame of the skin.
     first: usize,
     most: usize,
-    /// Of so many frames one is kept.
+    /// Number of frames of which one is kept.
     every: u64,
     seen: u64,
     frames: Vec<TaxelFrame>,
 }
 
 impl Readings {
-    /// For every frame of the whole skin, whose module `drives` drives the display.
+    /// Readings for every frame of the whole skin, whose module `drives` drives the display.
     pub fn whole(layout: &Layout, drives: usize) -> Self {
         Self {
             modules: layout.modules().iter().map(places).collect(),
@@ -61,8 +61,8 @@ impl Readings {
         }
     }
 
-    /// For a report: the driving module alone, at most 262,144 readings (2 MiB). Where there would be more, every
-    /// other frame goes.
+    /// Readings for a report: the driving module alone, at most 262,144 readings (2 MiB). Where there would be more,
+    /// every other frame goes.
     pub fn sampled(layout: &Layout, drives: usize) -> Self {
         Self {
             modules: layout

@@ -16,11 +16,11 @@ use crate::verdict::Verdict;
 /// A figure of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measured {
-    /// Its column.
+    /// Column of the figure.
     pub key: &'static str,
-    /// As people read it.
+    /// Name for people.
     pub words: &'static str,
-    /// Its unit; empty for a count.
+    /// Unit of the figure; empty for a count.
     pub unit: &'static str,
     /// The place in a summary; at a list of margins the figure is that of the most used one.
     place: &'static str,
@@ -90,8 +90,8 @@ pub fn by_weight() -> impl Iterator<Item = &'static Measured> {
     WEIGHTIEST.iter().filter_map(of).chain(rest)
 }
 
-/// Whether a part of a value in this unit says something: a level, a temperature and a percentage have no zero to be a part
-/// from.
+/// Tells whether a part of a value in this unit says something: a level,
+/// a temperature and a percentage have no zero to be a part from.
 pub fn has_zero(unit: &str) -> bool {
     !["dB", "\u{b0}C", "C", "%"].contains(&unit)
 }
@@ -120,7 +120,7 @@ pub fn values(summary: &impl Serialize) -> Values {
     MEASURED.iter().filter_map(read).collect()
 }
 
-/// What tells a run from all others.
+/// Key that tells a run from all others.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RunKey {
     /// The scene's name.
@@ -138,7 +138,7 @@ pub struct RunKey {
 }
 
 impl RunKey {
-    /// The same key with every swept value as [`by_number`] has it.
+    /// Returns the key with every swept value as [`by_number`] has it.
     pub fn by_number(&self) -> Self {
         let set = self.set.iter();
         Self {
@@ -162,13 +162,13 @@ impl RunKey {
 /// A run in the table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunRow {
-    /// What ran.
+    /// Key of the run.
     pub key: RunKey,
-    /// How it ended.
+    /// Verdict of the run.
     pub verdict: Verdict,
-    /// Why; empty where there is nothing to say.
+    /// Reason of the verdict; empty where there is nothing to say.
     pub why: String,
-    /// What it measured.
+    /// Measured values.
     pub values: Values,
 }
 
@@ -185,7 +185,7 @@ pub fn by_number(value: &str) -> String {
     }
 }
 
-/// How a table is written.
+/// Form in which a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableForm {
     /// Columns between commas; each swept key is a column.
@@ -211,7 +211,7 @@ pub fn short(value: f64) -> String {
 }
 
 impl TableForm {
-    /// What a table with these swept keys begins with, in their order; nothing where lines name their keys.
+    /// Heading of a table with these swept keys, in their order; empty where lines name their keys.
     pub fn head<'a>(self, swept: impl Iterator<Item = &'a str>) -> String {
         if self == Self::Lines {
             return String::new();
@@ -286,7 +286,7 @@ pub struct RunTable {
 }
 
 impl RunTable {
-    /// Whether a text that begins so is such a table.
+    /// Tells whether a text is such a table, by its begin.
     pub fn is_one(text: &str) -> bool {
         text.starts_with("scene,digest,bench,")
             || text.starts_with("{\"scene\":") && text.contains("\"digest\":")

@@ -1,5 +1,5 @@
-//! What the columns of a CSV mean: types, units and words as a Frictionless Table Schema, a file beside the
-//! table, so that no reader has to guess.
+//! Meaning of the columns of a CSV: types, units and words as a Frictionless Table Schema, a file beside the table, so
+//! that no reader has to guess.
 
 use serde::Serialize;
 
@@ -81,7 +81,7 @@ struct Schema<'a> {
     fields: Vec<Field>,
 }
 
-/// Where the table comes from; a table of `hil contacts` has no run.
+/// Origin of the table; a table of `hil contacts` has no run.
 #[derive(Serialize)]
 struct Run<'a> {
     source: crate::trace::Source,

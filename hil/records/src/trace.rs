@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 /// Version of the trace's meaning; grows when a field changes what it says.
 pub const VERSION: u32 = 5;
 
-/// Whether hardware took part.
+/// Source of a record: emulators or hardware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
@@ -26,14 +26,14 @@ pub enum Source {
     Observed,
 }
 
-/// What everything says that comes of a run which the guard only observed.
+/// Banner of everything that comes of a run which the guard only observed.
 pub const OBSERVED: &str = "observed: the guard changed nothing; not for a person";
 
 impl Source {
     /// Every source.
     const ALL: [Self; 3] = [Self::Emulated, Self::Real, Self::Observed];
 
-    /// As records say it.
+    /// Word in records.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Emulated => "emulated",
@@ -47,12 +47,12 @@ impl Source {
         Self::ALL.into_iter().find(|source| source.word() == word)
     }
 
-    /// Whether nothing of it was hardware.
+    /// Tells whether the record is free of hardware.
     pub const fn is_emulated(self) -> bool {
         !matches!(self, Self::Real)
     }
 
-    /// What has to stand beside it, if anything has.
+    /// Banner that has to stand beside the record, if any.
     pub const fn banner(self) -> Option<&'static str> {
         match self {
             Self::Observed => Some(OBSERVED),
@@ -69,7 +69,7 @@ impl Source {
 /// One wire of the display and the output that drives it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct WireInfo {
-    /// Where it lies on the unrolled display.
+    /// Place on the unrolled display.
     pub place: PlaceUm,
     /// Board that drives it.
     pub board: u8,
@@ -77,7 +77,7 @@ pub struct WireInfo {
     pub channel: u8,
 }
 
-/// What was run, on what, under which limits.
+/// Facts of a run: scene, bench and limits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Header {
     /// Emulated or real.
@@ -115,7 +115,7 @@ pub struct Header {
     pub displays: Vec<DisplayInfo>,
     /// Names of the joints whose angles are kept.
     pub joints: Vec<String>,
-    /// Whether a Peltier module is under the fingertip.
+    /// `true` where a Peltier module is under the fingertip.
     pub warmth: bool,
 }
 
@@ -128,15 +128,15 @@ fn plain<S: Serializer>(pre_scale: &Prescale, serializer: S) -> Result<S::Ok, S:
 /// One of several displays: a fingertip.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DisplayInfo {
-    /// Its name on the bench.
+    /// Name of the display on the bench.
     pub name: String,
-    /// How many of the wires are its own: those after the wires of the displays before it.
+    /// Number of the display's wires, which follow those of the displays before it.
     pub wires: usize,
-    /// Its modules, zero-based.
+    /// Modules of the display, zero-based.
     pub modules: Vec<u16>,
 }
 
-/// What the wires were told, counted entry by entry.
+/// Commands to the wires, counted entry by entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Driven {
     /// Stimuli with a pulse.
@@ -161,11 +161,11 @@ impl Driven {
 /// is one of these.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Ledger {
-    /// What the wires were told.
+    /// Commands to the wires.
     pub driven: Driven,
     /// Electrical energy into all wires, microjoules.
     pub energy_uj: u64,
-    /// Hottest any wire was, thousandths of a degree Celsius, and which wire.
+    /// Highest temperature of any wire, thousandths of a degree Celsius, and that wire.
     pub hottest_wire: Option<(i32, u16)>,
     /// Every limit and the worst that came, measured behind the guard, the most used up first; empty where nothing
     /// measures it.
@@ -194,11 +194,11 @@ impl Ledger {
 /// A whole run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Trace {
-    /// What was run.
+    /// Facts of the run.
     pub header: Header,
-    /// What happened, sorted by time.
+    /// Events of the run, sorted by time.
     pub events: Vec<Event>,
-    /// What it came to.
+    /// Totals of the run.
     pub ledger: Ledger,
 }
 

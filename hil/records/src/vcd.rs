@@ -19,7 +19,7 @@ const KINDS: usize = 5;
 /// Writes a whole run.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_vcd(trace: &Trace, out: impl Write) -> io::Result<()> {
     let mut vcd = Vcd::begin(&trace.header, out)?;
     vcd.events(&trace.events)?;
@@ -43,7 +43,7 @@ impl<W: Write> Vcd<W> {
     /// Writes the declarations and the state before the start: pins low, ticks 0, temperatures unknown.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn begin(header: &Header, mut out: W) -> io::Result<Self> {
         let (emulated, source) = (header.source.is_emulated(), header.source.word());
         let plain = |text: &str| text.replace(char::is_whitespace, " ").replace('$', "_");
@@ -107,7 +107,7 @@ impl<W: Write> Vcd<W> {
     /// cannot go back.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn events(&mut self, events: &[Event]) -> io::Result<()> {
         for event in events {
             let t_ns = event.t_ns();
@@ -144,16 +144,16 @@ impl<W: Write> Vcd<W> {
         Ok(())
     }
 
-    /// Says how long the run was.
+    /// Ends the dump at the end of the run.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn finish(mut self, end_ns: u64) -> io::Result<()> {
         self.time(end_ns)?;
         self.out.flush()
     }
 
-    /// What it is written to.
+    /// Writer of the file.
     pub const fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }

@@ -1,4 +1,4 @@
-//! How a run, a trial or a comparison ended: one word, its reasons, and how graver ones win.
+//! Verdict of a run, a trial or a comparison: one word, its reasons, and how graver ones win.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use crate::margin::Margin;
 
-/// How it ended. Later ones are graver; where several apply, the gravest is the verdict.
+/// Verdict of a run, a trial or a comparison. Later ones are graver; where several apply, the gravest is the verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// Done, and within all limits.
@@ -41,7 +41,7 @@ impl Verdict {
         Self::Ok,
     ];
 
-    /// As people read it.
+    /// Words for people.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ok => "OK",
@@ -55,7 +55,7 @@ impl Verdict {
         }
     }
 
-    /// As programs read it.
+    /// Word for programs.
     pub const fn key(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -69,17 +69,18 @@ impl Verdict {
         }
     }
 
-    /// What [`Verdict::key`] says; `None` for another word.
+    /// Verdict of a [`Verdict::key`]; `None` for another word.
     pub fn of_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|verdict| verdict.key() == key)
     }
 
-    /// Whether a run that ended so did all that it was to do: whether a person felt it is an expectation's business.
+    /// Tells whether a run that ended so did all that it was to
+    /// do; an expectation says whether a person has to feel it.
     pub const fn is_done(self) -> bool {
         matches!(self, Self::Ok | Self::OffThePad | Self::NotFelt)
     }
 
-    /// Whether a person who wore it may have been burnt.
+    /// Tells whether a person who wore the display may have been burnt.
     pub const fn is_harmful(self) -> bool {
         matches!(self, Self::LimitExceeded | Self::BeyondTheModel)
     }
@@ -109,7 +110,7 @@ impl Serialize for Verdict {
 pub struct Conclusion {
     /// The verdict.
     pub verdict: Verdict,
-    /// Why; for [`Verdict::Ok`], what a reader may wonder at.
+    /// Reasons; for [`Verdict::Ok`], what a reader may wonder at.
     pub why: Vec<String>,
 }
 
@@ -181,7 +182,7 @@ impl Conclusion {
 /// Columns of a terminal.
 pub const COLUMNS: usize = 80;
 
-/// A text in lines of so many columns at most, where its words allow; those after the first are indented.
+/// Breaks a text into lines of at most this many columns, where its words allow; those after the first are indented.
 #[must_use]
 pub fn wrapped(text: &str, columns: usize) -> String {
     let start = text.len() - text.trim_start().len();

@@ -1,10 +1,10 @@
-//! What happened, told in words: one line each, neighbours of a kind folded into one.
+//! Happenings of a run in words: one line each, neighbours of a kind folded into one.
 
 use crate::bursts::{DrivenOutput, bursts};
 use crate::fixed::{milli, milli_u, place, seconds};
 use crate::trace::{Event, Trace, event};
 
-/// What sort of thing happened.
+/// Kind of a happening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum HappeningKind {
     /// The guard applied something other than what was requested.
@@ -40,7 +40,7 @@ impl HappeningKind {
         }
     }
 
-    /// Its mark in a strip chart.
+    /// Mark in a strip chart.
     pub const fn mark(self) -> u8 {
         match self {
             Self::Limiter => b'!',
@@ -55,18 +55,18 @@ impl HappeningKind {
 /// One line of the story.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Happening {
-    /// When it began, microseconds.
+    /// Start, microseconds.
     pub t_us: u64,
-    /// When it was last seen; `t_us` if it happened once.
+    /// Last time, microseconds; `t_us` if it happened once.
     pub last_us: u64,
-    /// Of what kind.
+    /// Kind of the happening.
     pub kind: HappeningKind,
-    /// In words, without the time.
+    /// Text, without the time.
     pub text: String,
 }
 
 impl Happening {
-    /// When, in seconds: `0.058`, or `0.058..0.117`.
+    /// Time in seconds: `0.058`, or `0.058..0.117`.
     pub fn when(&self) -> String {
         if self.last_us > self.t_us {
             format!("{}..{}", seconds(self.t_us), seconds(self.last_us))
@@ -76,7 +76,7 @@ impl Happening {
     }
 }
 
-/// Everything worth a line, in order of time. Limiter events of one wire and reason, and breaks, that
+/// Happenings worth a line, in order of time. Limiter events of one wire and reason, and breaks, that
 /// follow one another within four onsets are one happening.
 pub fn happenings(trace: &Trace) -> Vec<Happening> {
     let gap_us = trace.header.soa_us.saturating_mul(4).max(1);

@@ -1,4 +1,4 @@
-//! Which signal is which output, how long a board's period is, and when in the run the capture began.
+//! Alignment of a capture to a run: the signal of each output, each board's period, and the start of the capture.
 
 use std::collections::BTreeMap;
 
@@ -78,9 +78,9 @@ pub(super) fn period(pulses: &[&Pulses], nominal: f64) -> Option<f64> {
     Some(sum / count)
 }
 
-/// The time of the capture's start on the schedule's clock: the one that puts most trains on bursts of their
-/// width, since bursts come on a grid and a short capture fits many places of it. A train begins up to a period
-/// after its burst, so the earliest of all is taken to begin with it.
+/// Finds the time of the capture's start on the schedule's clock: the one that puts most trains on bursts of their
+/// width, since bursts come on a grid and a short capture fits many places of it. A train begins up to a period after
+/// its burst, so the earliest of all is taken to begin with it.
 pub(super) fn offset(
     trains: &BTreeMap<Output, Pulses>,
     plan: &Plan,
@@ -145,8 +145,8 @@ pub(super) fn starts(pulses: &Pulses, period: f64, mut last: f64) -> Pulses {
     found
 }
 
-/// How long after its place in the schedule a board's earliest train begins, nanoseconds: trains as in [`offset`],
-/// already on the run's clock but for this.
+/// Delay of a board's earliest train after its place in the schedule, nanoseconds. Trains are as in [`offset`], already
+/// on the run's clock but for this delay.
 pub(super) fn latency(
     trains: &BTreeMap<Output, Pulses>,
     plan: &Plan,

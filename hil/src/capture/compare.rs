@@ -16,7 +16,8 @@ use palpate_run::Failure;
 /// Slowest and fastest oscillators seen of the chip, over the nominal 25 MHz.
 const OSCILLATOR: (f64, f64) = (23.0 / 25.0, 27.4 / 25.0);
 
-/// How far a chip's clock may be off: a clock on EXTCLK by its stated tolerance, else any oscillator seen.
+/// Range of a chip's clock over its nominal frequency: the stated
+/// tolerance of a clock on EXTCLK, else every oscillator seen.
 fn range(clock: palpate_core::units::Clock) -> (f64, f64) {
     clock.tolerance_ppm().map_or(OSCILLATOR, |ppm| {
         let part = f64::from(ppm) * 1e-6;
@@ -27,9 +28,9 @@ fn range(clock: palpate_core::units::Clock) -> (f64, f64) {
 /// One measured value with its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measurement {
-    /// What was measured, and where.
+    /// Measured quantity and its place.
     pub name: String,
-    /// How much; null where there was nothing to measure.
+    /// Value; null where there was nothing to measure.
     pub value: Option<f64>,
     /// Unit; empty for a count.
     pub unit: &'static str,
@@ -50,20 +51,20 @@ impl Measurement {
         }
     }
 
-    /// Whether it lies within its limits; what could not be measured does not.
+    /// Tells whether the value lies within its limits; a value that could not be measured does not.
     pub fn good(&self) -> bool {
         self.value
             .is_some_and(|v| (self.low..=self.high).contains(&v))
     }
 }
 
-/// What a capture came to.
+/// Result of a comparison of a capture with a schedule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The verdict and its reasons.
     #[serde(flatten)]
     pub conclusion: Conclusion,
-    /// What was seen of what was planned.
+    /// Coverage of the plan by the capture.
     pub coverage: Coverage,
     /// Time of the run at the start of the capture, seconds; none where nothing tells.
     pub offset_s: Option<f64>,
@@ -71,7 +72,7 @@ pub struct Comparison {
     pub pulses: usize,
     /// The measurements.
     pub measurements: Vec<Measurement>,
-    /// What the capture cannot tell, and what is wrong with its file.
+    /// Questions that the capture cannot answer, and damages of its file.
     pub notes: Vec<String>,
 }
 
@@ -127,8 +128,8 @@ impl<'a> Seen<'a> {
         self.pulses.iter().map(first).collect()
     }
 
-    /// Holds every output against the plan; also the time of the run at the capture's start, nanoseconds, if the
-    /// pulses tell.
+    /// Holds every output against the plan. Returns the tallies, and the time of the run at the capture's start,
+    /// nanoseconds, if the pulses tell.
     fn tallies(&self, plan: &Plan, window: Span) -> (BTreeMap<Output, Tally>, Option<f64>) {
         let place = |trains: &BTreeMap<Output, Pulses>| {
             let period_of = |output: &Output| self.period(output);

@@ -1,4 +1,4 @@
-//! How much of what was planned a capture holds.
+//! Coverage of a plan by a capture.
 
 use std::collections::BTreeMap;
 
@@ -8,22 +8,22 @@ use super::plan::{Output, Plan, Span};
 use super::tally::Tally;
 use palpate_records::verdict::{Conclusion, Verdict};
 
-/// What was seen of what the window plans.
+/// Coverage of the plan within the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Coverage {
     /// The window, seconds of the run: as given, else from the first burst to the end of the last.
     pub window_s: [f64; 2],
     /// Bursts of the schedule that touch the window.
     pub bursts_planned: usize,
-    /// Those of them that the capture has whole.
+    /// Planned bursts that the capture has whole.
     pub bursts_seen: usize,
     /// Outputs with such bursts.
     pub channels_planned: usize,
-    /// Those of them that a signal of the capture stands for.
+    /// Planned outputs that a signal of the capture stands for.
     pub channels_seen: usize,
-    /// From the first planned burst to the end of the last, seconds.
+    /// Time from the first planned burst to the end of the last, seconds.
     pub seconds_planned: f64,
-    /// How much of that lies within the capture, seconds.
+    /// Part of that time within the capture, seconds.
     pub seconds_seen: f64,
 }
 
@@ -44,7 +44,7 @@ pub(super) fn driven(plan: &Plan, window: Span) -> Option<Span> {
 }
 
 impl Coverage {
-    /// Counts. `capture` is when it was taken, on the run's clock; none if nothing tells.
+    /// Counts the coverage. `capture` is when it was taken, on the run's clock; `None` if nothing tells.
     pub(super) fn of(
         plan: &Plan,
         tallies: &BTreeMap<Output, Tally>,
@@ -67,7 +67,7 @@ impl Coverage {
             }
         }
         if let Some(mut capture) = capture {
-            // One of edges alone ends with the last of them, before the burst does.
+            // A capture of edges alone ends with the last of them, before the burst does.
             let whole = tallies.values().flat_map(|t| &t.trains).filter(|t| t.1);
             capture.to_ns = whole.fold(capture.to_ns, |end, t| end.max(t.0.to_ns));
             coverage.seconds_seen = driven.overlap_s(&capture);
@@ -75,7 +75,7 @@ impl Coverage {
         coverage
     }
 
-    /// Adds what is not there to the reasons.
+    /// Adds the parts of the plan that are not there to the reasons.
     pub(super) fn conclude(
         &self,
         plan: &Plan,

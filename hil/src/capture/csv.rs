@@ -7,7 +7,7 @@ use super::edges::{Capture, Signal};
 use super::{MOST_CHANGES, too_long};
 use palpate_files::{FileError, LONGEST_LINE, Lines, Text};
 
-/// What the comments and the heading say.
+/// Content of the comments and the heading.
 #[derive(Debug, Default)]
 struct Head {
     /// Length of a sample, nanoseconds.
@@ -94,7 +94,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
     Ok(capture)
 }
 
-/// Rows are whole samples apart: what divides all of their distances is a sample, or several.
+/// Greatest common divisor. Rows are whole samples apart, so that of all their distances is a sample, or several.
 fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }

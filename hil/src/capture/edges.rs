@@ -12,22 +12,23 @@ use palpate_files::{FileError, LONGEST_LINE, Text};
 /// A digital signal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Signal {
-    /// As the file calls it.
+    /// Name in the file.
     pub name: String,
-    /// Its changes, in the order of time: nanoseconds since the start of the capture, and the level after it.
+    /// Changes of the signal, in the order of time: nanoseconds since
+    /// the start of the capture, and the level after the change.
     pub edges: Vec<(u64, bool)>,
 }
 
-/// What an analyser saw.
+/// Capture of a logic analyser.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capture {
-    /// Its digital signals.
+    /// Digital signals of the capture.
     pub signals: Vec<Signal>,
-    /// How finely it tells times apart, nanoseconds.
+    /// Resolution of its times, nanoseconds.
     pub resolution_ns: u64,
-    /// Its length, nanoseconds.
+    /// Length of the capture, nanoseconds.
     pub end_ns: u64,
-    /// What is wrong with the file, with its line, and what was had of it.
+    /// Damages of the file, each with its line, and the part that could be read.
     pub notes: Vec<String>,
 }
 
@@ -93,7 +94,7 @@ impl<R: Read> Read for Portioned<'_, R> {
     }
 }
 
-/// What a dump declares: scalar variables, and the length of a tick.
+/// Declarations of a dump: scalar variables, and the length of a tick.
 struct Declared {
     scalars: Vec<(IdCode, String)>,
     timescale: (u32, TimescaleUnit),

@@ -1,8 +1,8 @@
-//! What a logic analyser saw of the PWM pins, held against the schedule that was to come out of them.
+//! Comparison of a logic analyser's capture of the PWM pins with the schedule that was to come out of them.
 //!
-//! A capture knows neither the run's clock nor the chip's oscillator: both are found from its pulses. What is
-//! left is measured: frequency, pulse width, phase, blank periods, missing and stray pulses. What the capture
-//! does not hold of the plan is counted too: without it there is no good verdict.
+//! A capture knows neither the run's clock nor the chip's oscillator: both are found from its pulses. The rest is
+//! measured: frequency, pulse width, phase, blank periods, missing and stray pulses. Parts of the plan that the capture
+//! lacks are counted too: without them there is no good verdict.
 
 mod align;
 mod compare;

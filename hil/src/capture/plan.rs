@@ -1,4 +1,4 @@
-//! What a schedule drives: bursts of every output, and the part of them that is asked about.
+//! Plan of a schedule: bursts of every output, and the part of them that is asked about.
 
 use std::collections::BTreeMap;
 
@@ -19,12 +19,12 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Whether a burst of these ends touches it.
+    /// Tells whether a burst of these ends touches the span.
     pub(super) fn touches(&self, from_ns: f64, to_ns: f64) -> bool {
         from_ns < self.to_ns && to_ns > self.from_ns
     }
 
-    /// How much of it another one covers, seconds.
+    /// Overlap with another span, seconds.
     pub(super) fn overlap_s(&self, other: &Self) -> f64 {
         let (from, to) = (self.from_ns.max(other.from_ns), self.to_ns.min(other.to_ns));
         (to - from).max(0.0) * 1e-9
@@ -43,7 +43,7 @@ pub(super) struct Burst {
     pub(super) from_ns: f64,
     /// End: its own, or the next record that concerns the channel.
     pub(super) to_ns: f64,
-    /// Where in the period its pulses begin, ticks.
+    /// Start of its pulses in the period, ticks.
     pub(super) on: f64,
     /// Length of its pulses, ticks.
     pub(super) width: f64,
@@ -67,8 +67,8 @@ pub(super) fn bursts(trace: &Trace) -> Plan {
     plan
 }
 
-/// Whether another output of the board is driven at an instant, or was within the half period before: its counter
-/// then runs, and a train begins with the counter's next period. Else it begins at once.
+/// Tells whether another output of the board is driven at an instant, or was within the half period before. If so, the
+/// board's counter runs, and a train begins with its next period; else a train begins at once.
 pub(super) fn is_busy(plan: &Plan, output: Output, at_ns: f64, period: f64) -> bool {
     plan.iter().any(|(other, bursts)| {
         let earlier = bursts.partition_point(|b| b.from_ns < at_ns);

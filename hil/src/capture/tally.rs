@@ -1,16 +1,16 @@
-//! One output's pulses held against its bursts.
+//! Comparison of one output's pulses with its bursts.
 
 use std::collections::BTreeMap;
 
 use super::align::Pulses;
 use super::plan::{Burst, Output, Plan, Span, chains, is_busy};
 
-/// What one output's pulses came to.
+/// Comparison of one output's pulses with its bursts.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     /// Bursts that the window touches.
     pub(super) planned: usize,
-    /// Those of them that the capture has whole.
+    /// Planned bursts that the capture has whole.
     pub(super) seen: usize,
     /// Each train in the window, and whether the capture has it whole.
     pub(super) trains: Vec<(Span, bool)>,
@@ -37,7 +37,7 @@ pub(super) struct Clock {
     pub(super) length: f64,
     /// The board's true period, nanoseconds.
     pub(super) period: f64,
-    /// How finely the capture tells times apart, nanoseconds.
+    /// Resolution of the capture's times, nanoseconds.
     pub(super) resolution: f64,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn tally(
         tally.planned += chain.len();
         let busy = is_busy(plan, output, first.from_ns, period);
         let lost = lost(chain, &train, period, busy);
-        // Captures of edges end with the last one: a train that is all there needs no time after it.
+        // Captures of edges end with the last edge: a train that is all there needs no time after it.
         let whole = lost.at_end == 0 && !train.is_empty();
         let unclear = train.is_empty() && busy && last.to_ns - first.from_ns < period;
         let seen = first.from_ns >= begin - early && (until <= end || whole) && !unclear;

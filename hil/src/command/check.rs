@@ -13,11 +13,11 @@ use serde_json::json;
 use crate::cli::CheckArgs;
 use palpate_live::output::{note, print, print_json, write_file};
 
-/// A file and what is wrong with it.
+/// A file and its errors.
 struct Told {
     path: String,
     checked: Checked,
-    /// What a run of it would say, where the file itself is right.
+    /// Errors with which a run of the file would be refused, where the file itself is right.
     refused: Vec<String>,
 }
 
@@ -82,7 +82,7 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     Err(Failure::Check(text))
 }
 
-/// Brings files up to this version; the files to check.
+/// Brings files up to this version; returns the files to check.
 fn migrate(args: &CheckArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for path in &args.files {
@@ -140,8 +140,8 @@ fn together(files: &mut [Told]) {
     }
 }
 
-/// Whether a scene can be begun on a `given` bench, or without one on that which ships with what it wants. A scene for
-/// another display waits for its bench then.
+/// Tells whether a scene can be begun on a `given` bench, or without one on the bench that ships with the display it
+/// wants. Without a given bench, a scene for another display waits for its bench.
 fn fits(scene: &str, given: Option<&str>) -> Result<(), Failure> {
     let scene = load_scene(scene)?;
     let bench = load_bench(given.unwrap_or(scene.value.own_bench()))?;

@@ -94,7 +94,7 @@ fn gone(path: &Path) -> FileError {
     FileError::whole(label, EXPECTED, "no such file or folder")
 }
 
-/// The result that a path means: of a folder its summary.
+/// File of the result at a path: in a folder its summary.
 fn result_at(path: &Path) -> Result<PathBuf, FileError> {
     let inside = path.join(SUMMARY);
     match (path.is_dir(), inside.is_file()) {
@@ -165,7 +165,7 @@ fn read(path: &Path) -> Result<Kept, FileError> {
     })
 }
 
-/// A table to compare: one without a row has nothing to say.
+/// Reads a table to compare: one without a row has nothing to say.
 fn table(path: &Path) -> Result<RunTable, FileError> {
     let table = read_table(path)?;
     match table.rows.is_empty() {
@@ -221,7 +221,7 @@ fn object(compared: &Compared, all: &[Trend]) -> Value {
     object
 }
 
-/// The figures that have a name, side by side; behind them what else differs, in full if that is wanted.
+/// Prints the figures that have a name, side by side; behind them the other differences, in full if that is wanted.
 fn figures(
     compared: &Compared,
     names: [&str; 2],
@@ -262,7 +262,7 @@ fn figures(
     )
 }
 
-/// Every value that differs, a line each.
+/// Prints every value that differs, a line each.
 fn differences(compared: &Compared, out: &mut dyn Write) -> io::Result<()> {
     let (figures, differ) = (compared.figures, compared.differences.len());
     writeln!(out, "{figures} figures compared, {differ} differ")?;

@@ -36,7 +36,7 @@ struct Row {
     contact: Contact,
 }
 
-/// So many contacts are held; where there are more, the recording is read again for the output.
+/// Most contacts that are held; where there are more, the recording is read again for the output.
 const HELD: usize = 1 << 16;
 
 /// Prints the contacts of every frame after the reference.
@@ -93,13 +93,13 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
     }
 }
 
-/// What takes one contact after another.
+/// Callback for one contact after another.
 type Each<'a> = dyn FnMut(Row) -> io::Result<()> + 'a;
 
 /// The contacts of a recording, to go through once more.
 struct Found<'a> {
     recording: &'a Recording<'a>,
-    /// None where there are too many.
+    /// Rows of all contacts; `None` where there are too many.
     held: Option<Vec<Row>>,
 }
 
@@ -231,7 +231,7 @@ impl<'a> Recording<'a> {
         })
     }
 
-    /// Hands every contact to `each`, row by row; what is to be said of the file comes back.
+    /// Hands every contact to `each`, row by row; returns notes on the file.
     fn compress(&self, each: &mut Each<'_>) -> Result<Vec<String>, Failure> {
         let args = self.args;
         let file = args.file.display();

@@ -33,7 +33,7 @@ struct DesignPoint {
     pattern: PulsePattern,
 }
 
-/// A point with what came of it, and whether no other beats it.
+/// A point with its outcome, and whether no other point beats it.
 type Computed = (DesignPoint, DesignOutcome, bool);
 
 /// Computes every combination.
@@ -151,7 +151,7 @@ fn place(point: &DesignPoint) -> String {
     )
 }
 
-/// What a point is driven with.
+/// Drive of a point in words: pulses, width, current and cadence.
 fn drive(point: &DesignPoint, outcome: &DesignOutcome) -> String {
     let p = &point.pattern;
     format!(

@@ -1,4 +1,4 @@
-//! Which bench a command means: a built-in one, or a file, whose addresses the command line may replace.
+//! Choice of a bench by a command line: a built-in one, or a file, whose addresses the command line may replace.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use palpate_live::link::UnitPlace;
 /// A bench by name on its own buses or on these.
 ///
 /// # Errors
-/// As [`bench_with`].
+/// The errors of [`bench_with`].
 pub(super) fn bench(
     name: Option<&str>,
     can: &[String],
@@ -39,7 +39,7 @@ pub(super) fn bench_with(
     Ok(bench)
 }
 
-/// The same, which checks no number of adapters.
+/// A bench by name, with changes and devices as in `bench_with`, without a check of the number of adapters.
 ///
 /// # Errors
 /// An unknown name, a bad file, devices that are named twice, or more of them than the bench has.

@@ -47,8 +47,8 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     told(args, color, &all.collect::<Result<Vec<_>, _>>()?)
 }
 
-/// The files that two paths mean: of two folders of `hil run --out` what both have, of one that which is of the other's
-/// kind.
+/// Pairs of files at two paths: of two folders of `hil run --out` the
+/// files that both have, of one folder the file of the other's kind.
 fn pairs(a: &Path, b: &Path) -> Result<Vec<(PathBuf, PathBuf)>, FileError> {
     let inside = |folder: &Path, other: &Path| {
         let is_table = format_of(other) == Some(Format::Contacts);
@@ -164,13 +164,13 @@ fn tell_one((name, found, until): &Told, colored: bool, out: &mut dyn io::Write)
     lines.iter().try_for_each(|line| writeln!(out, "  {line}"))
 }
 
-/// Whether a schedule is too long to be held.
+/// Tells whether a schedule is too long to be held.
 fn is_long_schedule(path: &Path) -> bool {
     let long = fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > MOST);
     long && format_of(path) == Some(Format::Schedule)
 }
 
-/// What was opened: a story is read as a whole, contacts are read while they are compared.
+/// An opened file: a story is read as a whole, contacts are read while they are compared.
 enum File {
     Story(Box<Story>),
     Contacts(Lines<fs::File>),

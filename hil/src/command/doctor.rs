@@ -23,11 +23,11 @@ const EXCHANGES: usize = 8;
 #[derive(Serialize)]
 struct Report<'a> {
     findings: &'a [Finding],
-    /// Whether everything a real bench cannot do without is there.
+    /// `true` where everything is there that a real bench cannot do without.
     ready: bool,
 }
 
-/// Prints what was found. What is missing is no failure, unless a bench was named.
+/// Prints what was found. A missing thing is no failure, unless a bench was named.
 ///
 /// # Errors
 /// [`Failure::Input`] for a bad bench, [`Failure::Device`] when the named bench lacks something.
@@ -84,7 +84,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
     ))
 }
 
-/// What a driver unit says of itself. No session begins, so the host that drives it goes on.
+/// Findings from a driver unit's answer to a knock. No session begins, so the host that drives it goes on.
 fn unit(place: &UnitPlace) -> Vec<Finding> {
     let finding = |about, ok, says: String, remedy| Finding {
         about,

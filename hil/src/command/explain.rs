@@ -69,7 +69,7 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
     )
 }
 
-/// What each finger has of something, by name, or the only display.
+/// Words for a property of each finger, by name, or of the only display.
 fn each<T>(
     setup: &Setup,
     own: Option<T>,
@@ -84,7 +84,7 @@ fn each<T>(
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-/// Which modules drive a finger, and when it is felt.
+/// Modules that drive a finger, and the joint's angles at which it is felt.
 fn driven_by(setup: &Setup, finger: &Finger) -> String {
     let modules = &setup.sensor.value.modules;
     let name = |module: &usize| modules.get(*module).map_or("?", |m| &*m.name);
@@ -224,7 +224,7 @@ fn contacts(setup: &Setup) -> String {
     format!("at most {}{grows} {span}: {how}", c.kc)
 }
 
-/// What was done and left out.
+/// Work that was done and left out.
 ///
 /// # Errors
 /// Errors of the stream.

@@ -10,7 +10,7 @@ use palpate_run::Failure;
 use crate::cli::{ListArgs, Shelf};
 use palpate_live::output::{print, print_json};
 
-/// How deep a folder that is named is looked through.
+/// Depth to which a named folder is searched.
 const DEPTH: usize = 8;
 
 /// Lists built-in files, and those of the current folder or of those that are named.

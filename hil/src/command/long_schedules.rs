@@ -20,7 +20,7 @@ const BEFORE: usize = 1 << 12;
 /// One of the two files.
 struct Side {
     lines: Lines<File>,
-    /// Its header, what is compared of it, and where each record of that ends, with its time, microseconds.
+    /// Header and the records that are compared, and the end of each record in that text with its time, microseconds.
     text: String,
     records: Vec<(u64, usize)>,
     ended: bool,
@@ -63,7 +63,7 @@ impl Side {
         self.records.last().map_or(0, |record| record.0)
     }
 
-    /// Leaves out what does not come before this time.
+    /// Leaves out the records from this time on.
     fn cut(&mut self, until_us: u64) {
         let left = self.records.partition_point(|record| record.0 < until_us);
         if let Some((_, end)) = left.checked_sub(1).and_then(|n| self.records.get(n)) {
@@ -74,14 +74,14 @@ impl Side {
     fn story(&self) -> Result<Story, FileError> {
         let story = Story::of_schedule_file(&self.text, wires);
         let mut story = story.map_err(|damage| damaged(self.lines.label(), damage))?;
-        // They count what is there, which is a part.
+        // The figures count only the part that was read.
         story.figures.clear();
         Ok(story)
     }
 }
 
-/// What two schedules are of, and what differs between them; until when that was told, seconds, where it was not told
-/// to the end.
+/// Subject of two schedules, and their differences. The last part is the time, seconds, until which differences were
+/// told, where they were not told to the end.
 pub(super) type Told = (String, Vec<Difference>, Option<f64>);
 
 /// Compares two schedules of any length.

@@ -1,4 +1,4 @@
-//! `hil new`: a commented file of what differs from the defaults.
+//! `hil new`: a commented file with the values that differ from the defaults.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, IsTerminal};
@@ -55,7 +55,7 @@ fn path(file: &NewFile) -> PathBuf {
     }
 }
 
-/// What is wrong before anything is asked: the name, or a file that is there.
+/// Refuses, before anything is asked, a bad name or a file that is there.
 fn refuse(file: &NewFile) -> Result<(), Failure> {
     let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if file.name.is_empty() || !file.name.chars().all(letter) {
@@ -194,7 +194,7 @@ fn scene(args: &NewScene) -> Result<String, Failure> {
     Ok(out)
 }
 
-/// Where a module's taxels are: the middle, and half the size.
+/// Field of a module's taxels: its middle, and half its size, mm.
 struct Pad {
     x: f64,
     y: f64,
@@ -448,7 +448,7 @@ fn wire(args: &NewWire) -> Result<String, Failure> {
     Ok(format!("{heading}{}\n", rows.join("\n")))
 }
 
-/// A built-in protocol under a new name: its tasks, conditions and people are what one changes.
+/// A built-in protocol under a new name, whose tasks, conditions and people are to be changed.
 fn protocol(args: &NewProtocol) -> Result<String, Failure> {
     refuse(&args.file)?;
     let like = resolve(FileKind::Protocol, &args.like)?;

@@ -18,13 +18,13 @@ use palpate_run::Failure;
 
 use super::devices::{adapters_alone, bench, bench_of};
 
-/// How long boards may take to answer, and a run that holds the bus to end.
+/// Time that boards have to answer, and a run that holds the bus to end.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long all adapters may take to answer before the run that holds them is asked to end; one that hangs has longer.
+/// Time that all adapters have to answer before the run that holds them is asked to end; one that hangs has longer.
 const FIRST: Duration = Duration::from_millis(300);
 
-/// Between two looks whether a bus is free.
+/// Time between two looks whether a bus is free.
 const LOOK: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(2);
 
 /// Switches everything off, ends a run that is driving, and shows or clears a latched stop.
@@ -163,13 +163,13 @@ fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
     stopped.map(drop)
 }
 
-/// What came of switching adapters off.
+/// Result of switching adapters off.
 struct Swept {
-    /// Those that are there.
+    /// Adapters that are there.
     hardware: Vec<Hardware>,
     /// The locks of those that nobody else holds any more.
     locks: Vec<BusLock>,
-    /// Whether everything is known to be off, and nobody is left to switch on again.
+    /// `Ok` where everything is known to be off, and nobody is left to switch on again.
     off: Result<(), Failure>,
 }
 
@@ -187,7 +187,7 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Swept {
         }
     }
     let (locks, mut wrong) = take_over(&hardware, lines);
-    // Why an adapter that is missing cannot be named says nothing more.
+    // The error of naming a missing adapter says nothing more than that it is missing.
     unknown.retain(|error| !missing.iter().any(|missing| missing.path == error.path));
     wrong.extend(unknown.iter().map(ToString::to_string));
     wrong.extend(missing.iter().map(ToString::to_string));
@@ -211,7 +211,8 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Swept {
     }
 }
 
-/// The locks of all hardware; whoever holds one is asked through it to switch off and end. Then which are still held.
+/// Takes the locks of all hardware; whoever holds one is asked through it to switch off and end. Returns the locks, and
+/// errors for those still held.
 fn take_over(all: &[Hardware], lines: &mut Vec<String>) -> (Vec<BusLock>, Vec<String>) {
     let (clock, mut wrong) = (RunClock::start(), Vec::new());
     let mut locks: Vec<BusLock> = Vec::new();

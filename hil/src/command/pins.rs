@@ -13,7 +13,7 @@ use palpate_files::{LONGEST_LINE, Lines};
 use palpate_live::output::{note, print, print_json};
 use palpate_run::{Failure, damaged};
 
-/// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
+/// Tells whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
 /// contacts.
 pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);

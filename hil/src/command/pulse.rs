@@ -111,7 +111,7 @@ struct Sent {
     entry: Option<Entry>,
     /// Onsets of wires, refused ones too.
     stimuli: usize,
-    /// From the onset to when all outputs were known to be off, ms.
+    /// Time from the onset to when all outputs were known to be off, ms.
     off_ms: Option<f64>,
 }
 
@@ -156,7 +156,7 @@ fn what(plan: &PulsePlan, judged: &Judged, setup: &Setup) -> String {
     )
 }
 
-/// Whether anything of a bench is hardware, in a word.
+/// Word for a bench: hardware where any part of it is, else emulated.
 fn kind(setup: &Setup) -> &'static str {
     match setup.bench.value.is_hardware() {
         true => "hardware",

@@ -13,7 +13,7 @@ use palpate_run::{Failure, build, place};
 
 use crate::cli::PulseArgs;
 
-/// The skin's boards are heard by then and the wire is heated, s.
+/// Time at which the wire is heated, s: the skin's boards are heard by then.
 const BEFORE_S: f64 = 0.7;
 /// Time that the pulse may still need to end, s.
 const AFTER_S: f64 = 0.05;
@@ -37,7 +37,7 @@ pub(super) struct PulsePlan {
     length: Duration,
     /// Pulses in that time, one but where a bench's periods are shorter than a stimulus may be.
     pub pulses: u64,
-    /// Whether its wearer is expected to feel bursts of such pulses.
+    /// `true` where the wire's wearer is expected to feel bursts of such pulses.
     pub felt: bool,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Judged {
     pub entry: Entry,
     /// Nominal width, us.
     pub width_us: f64,
-    /// Share of a period.
+    /// Duty: the share of a period.
     pub duty: f64,
     /// Energy that it is booked with, mJ.
     pub energy_mj: f64,
@@ -59,9 +59,9 @@ pub(super) struct Judged {
 
 /// Stimulus of a plan's scene.
 enum Part {
-    /// Nothing: the skin is heard.
+    /// No pulse: the skin is heard.
     Silence,
-    /// Nothing, by the law that knows from which width on a pulse is felt.
+    /// No pulse, by the law that knows from which width on a pulse is felt.
     Table,
     /// The pulse.
     Pulse,
@@ -266,7 +266,7 @@ fn width_us(entry: &Entry, tick_ns: u64) -> f64 {
     f64::from(entry.width().get()) * tick_ns as f64 * 1e-3
 }
 
-/// The setup of the only display that is driven, as it would be alone.
+/// The setup of the only display that is driven, without the others.
 fn alone(setup: &Setup) -> Setup {
     let own = place::fingers(setup).into_iter().next();
     own.map_or_else(|| setup.clone(), |(_, own)| own)

@@ -7,7 +7,7 @@ use crate::cli::rate as parse_rate;
 use palpate_files::{FileError, is_stream, open, read_text};
 use palpate_run::Failure;
 
-/// Stands beside the recordings of a trial and says how often their rows came.
+/// File beside the recordings of a trial that says how often their rows came.
 const META: &str = "meta_data.csv";
 const KEY: &str = "frequency_hz";
 /// Most bytes of such a file.
@@ -18,7 +18,7 @@ const MOST_META: u64 = 1 << 16;
 pub struct Rate {
     /// Rows a second; none where the recording has times, or nothing says.
     pub hz: Option<f64>,
-    /// The file that says so.
+    /// The file that gives the rate; `None` where the rate was typed.
     pub found_in: Option<PathBuf>,
 }
 
@@ -54,7 +54,7 @@ pub fn rate_of(typed: Option<f64>, recordings: &[PathBuf]) -> Result<Rate, Failu
     Ok(rate)
 }
 
-/// Whether a recording can be opened and its header has no `time_us`.
+/// Tells whether a recording can be opened and its header has no `time_us`.
 fn lacks_times(recording: &Path) -> bool {
     if is_stream(recording) {
         return false; // it can be read once

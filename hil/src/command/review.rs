@@ -96,7 +96,7 @@ fn decide(
     Ok(())
 }
 
-/// What the reviewer answered.
+/// Answer of the reviewer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Answer {
     Accept(Option<String>),
@@ -123,7 +123,7 @@ impl Answer {
     }
 }
 
-/// One scene after another, until the answers end.
+/// Asks about one scene after another, until the answers end.
 fn ask(all: &[Scene], coloured: bool) -> Result<(), Failure> {
     let mut answers = io::stdin().lock().lines();
     let mut left = 0;

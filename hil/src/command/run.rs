@@ -192,7 +192,7 @@ fn played(
     Ok(Outcome { notes, ..outcome })
 }
 
-/// Says what was noticed of the recordings.
+/// Prints notes on the recordings.
 fn remark(args: &RunArgs, outcome: &Outcome) -> Result<(), Failure> {
     outcome.notes.iter().for_each(|text| note(text));
     let rate = rate_of(args.rate, unclocked(args))?;
@@ -202,7 +202,7 @@ fn remark(args: &RunArgs, outcome: &Outcome) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the files of a run that is over, and what it came to as a trial. Returns how it failed as one.
+/// Writes the files of a run that is over, and its result as a trial. Returns the failure of that trial.
 fn write(
     args: &RunArgs,
     setup: &Setup,
@@ -238,7 +238,7 @@ fn unclocked(args: &RunArgs) -> &[PathBuf] {
     }
 }
 
-/// Says what a run came to, in the form that the command line chose.
+/// Prints the result of a run, in the form that the command line chose.
 fn tell(
     args: &RunArgs,
     outcome: &Outcome,
@@ -272,7 +272,7 @@ fn explained(
     Ok(())
 }
 
-/// How rows of a recording are timed.
+/// Timing of a recording's rows.
 fn timing(args: &RunArgs) -> Result<Timing, Failure> {
     Ok(Timing {
         column: args.time.clone(),
@@ -294,7 +294,7 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     setup_of(load_scene(name)?, args)
 }
 
-/// The same with a scene that is read already.
+/// Scene and bench with the command line's changes, checked, from a scene that is read already.
 ///
 /// # Errors
 /// [`Failure`] for what cannot be in the files, or does not fit together.

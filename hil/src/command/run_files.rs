@@ -45,7 +45,7 @@ pub(super) fn paths(format: Format, path: &Path, setup: &Setup) -> Vec<PathBuf> 
     }
 }
 
-/// Whether every file of a record may be written.
+/// Checks that every file of a record may be written.
 ///
 /// # Errors
 /// [`Failure::Input`] for the first that holds something else.

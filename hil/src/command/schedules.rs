@@ -1,4 +1,4 @@
-//! What comparisons of schedules share: a file that is held as a whole, and the wires of a bench.
+//! Common parts of comparisons of schedules: a file that is held as a whole, and the wires of a bench.
 
 use std::fs::File;
 use std::path::Path;

@@ -26,10 +26,10 @@ use palpate_live::output::{note, print, print_json};
 use palpate_live::real::{refuse_latched, watch};
 use palpate_live::serve::Desk;
 
-/// How long pages have to take in how a session ended.
+/// Time that pages have to take in the end of a session.
 const LAST: Duration = Duration::from_millis(300);
 
-/// Does what is asked.
+/// Runs the action of `hil study`.
 ///
 /// # Errors
 /// [`Failure`] with its exit status.
@@ -42,7 +42,7 @@ pub fn study(action: StudyAction) -> Result<(), Failure> {
     }
 }
 
-/// A protocol on a bench, and what a participant's session comes to at its strongest.
+/// A protocol on a bench, and the dose of a participant's session at its strongest.
 fn prepared(args: &StudyRunArgs) -> Result<(Stimuli, Session, Dose), Failure> {
     let protocol = load_protocol(&args.protocol)?;
     let on = &args.on;
@@ -123,7 +123,7 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
     told(args, &ended?)
 }
 
-/// How a session ended, in words and a status.
+/// Ends the command by the end of a session, in words and a status.
 fn told(args: &StudyRunArgs, ended: &Ended) -> Result<(), Failure> {
     let (n, out) = (args.participant, args.out.display());
     match ended {
@@ -174,8 +174,8 @@ fn about(
     })
 }
 
-/// A session and a bench where the record leaves them. What was about to be played when the program ended counts as played,
-/// and its trial is void. Returns the session's time at this uptime, ms.
+/// Takes up a session and a bench where the record leaves them. The stimulus that was about to be played when the
+/// program ended counts as played, and its trial is void. Returns the session's time at this uptime, ms.
 fn resume(
     session: &mut Session,
     player: &mut Player,
@@ -215,7 +215,7 @@ fn resume(
     Ok(now_ms)
 }
 
-/// What a folder's records say.
+/// Analysis of a folder's records.
 fn answered(dir: &Path, protocol: &Protocol, records: &[Record]) -> Result<Analysis, Failure> {
     if records.is_empty() {
         return Err(Failure::Input(format!(

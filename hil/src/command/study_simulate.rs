@@ -12,7 +12,7 @@ use crate::cli::SimulateArgs;
 use crate::study::{Stimuli, planned};
 use palpate_live::output::{print, print_json};
 
-/// Simulates a study and says what it came to.
+/// Simulates a study and prints its results.
 ///
 /// # Errors
 /// [`Failure`] for a protocol that cannot be read or played, too few people.
@@ -83,7 +83,7 @@ fn percent(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
 }
 
-/// What came back of levels.
+/// Prints the errors of thresholds and levels.
 fn levels(protocol: &Protocol, outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     if let (Some(found), Some(task)) = (&outcome.thresholds, &protocol.absolute_threshold) {
         let words = format!(
@@ -116,7 +116,7 @@ fn levels(protocol: &Protocol, outcome: &Outcome, out: &mut dyn Write) -> io::Re
     Ok(())
 }
 
-/// What came back of places and paths.
+/// Prints the errors of places and paths.
 fn places(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     if let Some(found) = &outcome.localisation {
         let words = "of answers are nearest to the driven one";
@@ -139,7 +139,7 @@ fn places(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// How often a difference or a preference is found, and how many people it needs.
+/// Prints how often a difference or a preference is found, and how many people it needs.
 fn groups(protocol: &Protocol, outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     let enough = |n: Option<u32>| n.map_or_else(|| "over 1000".into(), |n| n.to_string());
     let people = "for that to be found by 80 %";

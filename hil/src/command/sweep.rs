@@ -171,7 +171,7 @@ fn conclusion(rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusi
     conclusion
 }
 
-/// Says what the sweep came to.
+/// Prints the result of the sweep.
 fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Result<(), Failure> {
     let wanted = work.wanted_count();
     let rows = work.there();

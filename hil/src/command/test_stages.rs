@@ -17,7 +17,7 @@ pub(super) type Stage<'a> = (Loaded<Bench>, Vec<&'a Member>);
 /// Files that cannot be read, and why.
 pub(super) type Broken = Vec<(PathBuf, String)>;
 
-/// Whether the command line leaves the choice of a bench to the folder.
+/// Tells whether the command line leaves the choice of a bench to the folder.
 pub(super) fn chooses_none(args: &TestArgs) -> bool {
     args.on.bench.is_none() && args.on.can.is_empty() && args.on.i2c.is_empty()
 }

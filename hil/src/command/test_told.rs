@@ -14,7 +14,7 @@ const SHOWN: usize = 3;
 /// Heading in place of a bench for files that hold nothing or cannot be read.
 pub(super) const FILES: &str = "files";
 
-/// A line for the trial, and more where something is wrong.
+/// Prints a line for the trial, and more where something is wrong.
 pub(super) fn tell(trial: &Trial, colored: bool, out: &mut dyn Write) -> io::Result<()> {
     // Padded first: the codes of a colour have no width.
     let word = format!("{:<14}", trial.end.word());
@@ -46,7 +46,7 @@ pub(super) fn tell(trial: &Trial, colored: bool, out: &mut dyn Write) -> io::Res
     Ok(())
 }
 
-/// The trials that took longest, where there are enough that it says something.
+/// Prints the trials that took longest, where there are enough that it says something.
 pub(super) fn slowest(trials: &[&Trial], out: &mut dyn Write) -> io::Result<()> {
     let mut ran: Vec<&&Trial> = trials.iter().filter(|t| !t.took.is_zero()).collect();
     if ran.len() <= SHOWN {

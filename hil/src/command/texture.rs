@@ -17,7 +17,7 @@ use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
 use palpate_live::output::{Outputs, note, print};
 use palpate_live::progress::Progress;
 
-/// Does what was asked with the texture model.
+/// Runs the action of `hil texture`.
 ///
 /// # Errors
 /// [`Failure`] with its exit status.

@@ -74,7 +74,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     })
 }
 
-/// What goes with what, and how closely: Spearman's rank correlation over textures, three decimals.
+/// Spearman's rank correlations of pairs of quantities over textures, three decimals, each by its name.
 type Ranks = [(&'static str, f64); 6];
 
 fn ranks(study: &Study, table: &TextureTable) -> Ranks {

@@ -60,8 +60,8 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     print(|out| tables(args, &found, out))
 }
 
-/// What one coordinate makes of each factor, as objects. Correlations are over unseen materials where some were drawn, and
-/// over one factor at a time else.
+/// Response of one coordinate to each factor, as objects. Correlations are over unseen materials where some were drawn,
+/// and over one factor at a time else.
 fn rows(coordinate: &Coordinate) -> Vec<serde_json::Value> {
     let row = |(n, factor): (usize, Factor)| {
         let answer = coordinate.answer(factor);

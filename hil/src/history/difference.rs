@@ -1,4 +1,4 @@
-//! A figure that differs, and what all of them come to.
+//! A figure that differs, and the verdict over all of them.
 
 use palpate_records::runs::{Measured, Values, has_zero, number, short};
 use palpate_records::verdict::{Conclusion, Verdict};
@@ -7,12 +7,12 @@ use serde::Serialize;
 /// Digits that every writer of a number keeps: what differs behind them is how it was written.
 const WRITTEN: f64 = 1e-9;
 
-/// By how much numbers may differ and count as equal: a part of the larger one.
+/// Difference up to which numbers count as equal: a part of the larger one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance(pub f64);
 
 impl Tolerance {
-    /// Whether two numbers count as equal.
+    /// Tells whether two numbers count as equal.
     pub fn equal(self, a: f64, b: f64) -> bool {
         (a - b).abs() <= self.0.max(WRITTEN) * a.abs().max(b.abs())
     }
@@ -21,11 +21,11 @@ impl Tolerance {
 /// A figure that differs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
-    /// Which.
+    /// Name of the figure.
     pub figure: String,
-    /// What the first file says; none where it has nothing.
+    /// Value in the first file; `None` where it has none.
     pub a: Option<String>,
-    /// What the second file says.
+    /// Value in the second file; `None` where it has none.
     pub b: Option<String>,
     /// Growth of the number, as a part of the first one; none of zero, of a unit without one such as dB, and where it is no
     /// number.
@@ -34,7 +34,7 @@ pub struct Difference {
     pub difference: Option<f64>,
     /// The unit; empty for a count, and where it is not known.
     pub unit: String,
-    /// Where among several runs; empty for one.
+    /// Place among several runs; empty for one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub detail: String,
 }
@@ -75,7 +75,7 @@ impl Difference {
         }
     }
 
-    /// As people read it: `felt_error_mm.rmse  1.62 -> 1.71 (+5.6 %)`.
+    /// Words for people: `felt_error_mm.rmse  1.62 -> 1.71 (+5.6 %)`.
     pub fn words(&self) -> String {
         let said = |text: &Option<String>| text.as_deref().unwrap_or("nothing").to_owned();
         let grown = match self.grown() {
@@ -108,7 +108,7 @@ pub struct Named {
     pub a: Option<f64>,
     /// The second result's value.
     pub b: Option<f64>,
-    /// Whether they differ by more than they may.
+    /// `true` where the values differ by more than they may.
     pub differs: bool,
 }
 
@@ -147,15 +147,15 @@ impl Named {
     }
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Compared {
     /// The verdict and its reasons.
     #[serde(flatten)]
     pub conclusion: Conclusion,
-    /// How many figures were held against each other.
+    /// Number of figures that were compared.
     pub figures: usize,
-    /// Those that differ, in the order of the first file.
+    /// Figures that differ, in the order of the first file.
     pub differences: Vec<Difference>,
     /// The figures that have a name, the weightiest first; empty where the results are no summaries.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -163,7 +163,7 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// With the verdict that the differences ask for.
+    /// Returns the comparison with the verdict that the differences ask for.
     pub fn concluded(mut self) -> Self {
         let count = self.differences.len();
         let size = |d: &&Difference| d.change.map_or(f64::INFINITY, f64::abs);

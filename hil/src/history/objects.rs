@@ -9,9 +9,9 @@ use super::difference::{Compared, Difference, Named, Tolerance};
 
 /// Keys of what was measured on a machine at a time: they differ from run to run.
 const OF_THE_MACHINE: [&str; 6] = ["wall_s", "frame_us", "took_s", "date", "version", "pacing"];
-/// What items of a list are called by, so that another order is no difference.
+/// Keys that name the items of a list, so that another order is no difference.
 const NAMES: [&str; 3] = ["name", "trial", "interface"];
-/// Places of a summary that say what another place says as well, and that place.
+/// Places of a summary that repeat the value of another place, each with that place.
 const TWINS: [(&str, &str); 4] = [
     ("/felt/error_energy_mm", "/felt_error_mm"),
     ("/felt/error_amplitude_mm", "/felt_error_amplitude_mm"),

@@ -8,7 +8,8 @@ use palpate_records::verdict::Verdict;
 
 use super::difference::{Compared, Difference, Tolerance};
 
-/// What pairs runs of two tables, values by number: files and version may differ, for that is what is compared.
+/// Key that pairs runs of two tables, values by number. Digests of
+/// files and versions are left out of it, since they may differ.
 fn paired(key: &RunKey) -> RunKey {
     RunKey {
         digest: String::new(),

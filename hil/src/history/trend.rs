@@ -20,7 +20,7 @@ use palpate_live::clock;
 
 /// Longest summary that is read.
 const MOST: u64 = 64 << 20;
-/// How deep folders are searched.
+/// Depth to which folders are searched.
 const DEPTH: usize = 8;
 /// The figures of the table; the page has all.
 const SHOWN: [&str; 5] = [
@@ -34,13 +34,13 @@ const SHOWN: [&str; 5] = [
 /// A summary of an earlier run.
 #[derive(Clone, Debug)]
 pub struct Earlier {
-    /// Its file.
+    /// File of the summary.
     pub file: PathBuf,
-    /// When it was made, as the summary says, else as the file does.
+    /// Date of the run, from the summary, else of the file.
     pub date: String,
     /// The program's version.
     pub version: String,
-    /// How the run ended.
+    /// Verdict of the run.
     pub verdict: String,
     values: Values,
     summary: Value,

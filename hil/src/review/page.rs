@@ -100,7 +100,7 @@ fn margins(out: &mut String, old: &Story, new: &Story) {
     out.push_str("</table>\n");
 }
 
-/// Where the two begin to differ, microseconds.
+/// Time at which two stories begin to differ, microseconds.
 fn first_difference(old: &Story, new: &Story) -> Option<u64> {
     // Both are sorted by their starts, so the first pair that differs is the earliest.
     let longest = old.bursts.len().max(new.bursts.len());

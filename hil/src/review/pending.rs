@@ -10,15 +10,15 @@ use palpate_run::Failure;
 
 use crate::trial::GOLDENS;
 
-/// Where goldens lie, from the root of a project.
+/// Folders of goldens, from the root of a project.
 const FOLDERS: [&str; 2] = ["fixtures/goldens", GOLDENS];
-/// What insta appends to the name of a snapshot that waits.
+/// Ending that insta gives the name of a snapshot that waits.
 const WAITS: &str = ".snap.new";
 
 /// A snapshot that waits for a decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pending {
-    /// Its name without an ending: `sphere-along.schedule`.
+    /// Name of the snapshot without an ending: `sphere-along.schedule`.
     pub name: String,
     /// The file that waits.
     pub path: PathBuf,
@@ -31,7 +31,7 @@ pub struct Pending {
 /// The folder of goldens: here or above.
 ///
 /// # Errors
-/// Where there is none.
+/// [`Failure::Input`] where there is none.
 pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
     if let Some(named) = named {
         let inside = named.join(GOLDENS);
@@ -99,12 +99,12 @@ fn read(path: &Path) -> Result<String, Failure> {
 }
 
 impl Pending {
-    /// The scene or whatever else it is of: its name up to the first dot.
+    /// The scene, or other subject, of the snapshot: its name up to the first dot.
     pub fn subject(&self) -> &str {
         self.name.split('.').next().unwrap_or(&self.name)
     }
 
-    /// Takes it, with a reason if there is one.
+    /// Accepts the text that waits, with a reason if there is one.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -114,7 +114,7 @@ impl Pending {
         self.reject()
     }
 
-    /// Lets it go; the accepted one stays.
+    /// Rejects the golden that waits; the accepted one stays.
     ///
     /// # Errors
     /// A file that cannot be removed.

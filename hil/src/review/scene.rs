@@ -1,4 +1,4 @@
-//! What changed in one scene: its goldens that wait, each compared with the accepted one.
+//! Changes of a scene: its goldens that wait, each compared with the accepted one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,24 +14,24 @@ use palpate_run::{Failure, damaged};
 pub struct Change {
     /// The files.
     pub pending: Pending,
-    /// What was accepted; `None` for a new golden or a text that is none of ours.
+    /// Accepted golden; `None` for a new golden, or for a text that Palpate did not write.
     pub old: Option<Story>,
-    /// What waits; `None` for a text that is none of ours.
+    /// Golden that waits; `None` for a text that Palpate did not write.
     pub new: Option<Story>,
-    /// What they differ by.
+    /// Differences of the two.
     pub differences: Vec<Difference>,
 }
 
-/// Everything that waits of one scene.
+/// Goldens of one scene that wait.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
-    /// Its goldens, the schedule first.
+    /// Goldens of the scene that wait, the schedule first.
     pub changes: Vec<Change>,
 }
 
-/// What waits, by scene; the scene that lost most of a margin comes first.
+/// Goldens that wait, by scene; the scene that lost most of a margin comes first.
 ///
 /// # Errors
 /// A golden of ours that cannot be read, with its line.
@@ -86,12 +86,12 @@ fn change(pending: Pending) -> Result<Change, Failure> {
 }
 
 impl Change {
-    /// What it is, in a word.
+    /// Word for the golden's kind.
     pub fn what(&self) -> &'static str {
         self.new.as_ref().map_or("another text", |s| s.kind.title())
     }
 
-    /// For what cannot be compared: what there is to say.
+    /// Remark on goldens that cannot be compared.
     fn remark(&self) -> Option<String> {
         let name = &self.pending.name;
         match (&self.pending.old, &self.old, &self.new) {
@@ -115,7 +115,7 @@ impl Scene {
         margins.map(|d| d.weight).max().unwrap_or(0)
     }
 
-    /// Everything that differs in words, margins that shrank first, nothing twice.
+    /// Differences in words, margins that shrank first, each told once.
     pub fn words(&self) -> Vec<Difference> {
         let mut seen = BTreeSet::new();
         let mut all: Vec<Difference> = Vec::new();

@@ -16,25 +16,25 @@ use super::screens::{screen, step_name, words};
 use palpate_live::clock;
 use palpate_live::serve::{Desk, Heard};
 
-/// How often signals are looked for.
+/// Time between looks for signals.
 const GLANCE: Duration = Duration::from_millis(50);
 /// Notes that a record takes at most.
 const MOST_NOTES: usize = 1000;
 
-/// How a session ended.
+/// End of a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ended {
     /// Everything was answered.
     Done,
     /// The participant did not agree.
     Declined,
-    /// STOP; what of it is known.
+    /// STOP, with the time from its arrival to outputs that are off.
     Stopped(String),
     /// A signal came.
     Signal(&'static str),
 }
 
-/// Who answers.
+/// Source of the answers.
 #[derive(Debug)]
 pub enum Answers<'a> {
     /// A person in front of a page.
@@ -46,31 +46,31 @@ pub enum Answers<'a> {
 /// A session that is conducted.
 #[derive(Debug)]
 pub struct Conducting<'a> {
-    /// Where it stands.
+    /// State of the session.
     pub session: Session,
-    /// Its record.
+    /// Record of the session.
     pub writing: Writing,
     /// The bench.
     pub player: Player,
-    /// Who answers.
+    /// Source of the answers.
     pub answers: Answers<'a>,
     /// The dose that was planned, as a share.
     pub dose: f64,
-    /// Its time, where a person answers.
+    /// Clock of the session, for a person who answers.
     pub clock: SessionClock,
-    /// What a simulated person knows of paths.
+    /// Knowledge of paths for a simulated person.
     pub known: Known,
-    /// Whether the participant has said that it may go on; after a void trial that is asked again.
+    /// `true` once the participant has said that the session may go on; after a void trial that is asked again.
     pub begun: bool,
 }
 
-/// What came of a step.
+/// Result of a step.
 enum Came {
     Reply(Reply),
     End(End),
 }
 
-/// What ends a session before all is answered.
+/// Cause that ends a session before all is answered.
 enum End {
     Stopped(String),
     Signal(&'static str),
@@ -148,7 +148,7 @@ impl Conducting<'_> {
         taken.map_err(|e| Failure::Input(e.to_string()))
     }
 
-    /// The session is over for now. A trial that was open is void, and what was played of it stays in the record.
+    /// Ends the session for now. A trial that was open is void, and what was played of it stays in the record.
     fn end(&mut self, end: End, trial: Option<Played>) -> Result<Ended, Failure> {
         let (why, is_stop) = match &end {
             End::Stopped(_) => ("STOP".to_owned(), true),
@@ -193,7 +193,7 @@ impl Conducting<'_> {
         }
     }
 
-    /// Whether the record takes no more notes.
+    /// Tells whether the record takes no more notes.
     fn is_full(&self) -> bool {
         let lines = self.writing.record.iter().flat_map(|record| &record.lines);
         let notes = lines.filter(|line| matches!(line, Line::Note(_)));
@@ -216,12 +216,12 @@ impl Conducting<'_> {
         }
     }
 
-    /// What the participant sees of the present step.
+    /// Screen of the participant at the present step.
     fn screen(&self) -> Value {
         screen(&self.session, self.player.stimuli().wires_mm())
     }
 
-    /// What the experimenter sees.
+    /// Tells the experimenter the state of the session.
     fn tell(&self, said: Option<&str>) -> Result<(), Failure> {
         let Answers::Page(desk) = self.answers else {
             return Ok(());
@@ -270,7 +270,8 @@ impl Conducting<'_> {
         laid.next().map(str::to_owned)
     }
 
-    /// A step: shown, played where it is a trial, and answered. Returns what was played, however it ended.
+    /// Takes a step: shows it, plays it where it is a trial, and
+    /// has it answered. Returns what was played, however it ended.
     fn step(&mut self, signals: &Signals) -> Result<(Came, Option<Played>), Failure> {
         let step = self.session.step().clone();
         let Step::Trial(trial) = &step else {
@@ -295,7 +296,7 @@ impl Conducting<'_> {
         Ok((came, Some(played)))
     }
 
-    /// Plays an interval so long after now, ms. It is in the record before it begins, as what it comes to at most.
+    /// Plays an interval `after_ms` from now. It is in the record before it begins, with its largest bookings.
     fn play(
         &mut self,
         stimulus: &Stimulus,
@@ -457,7 +458,7 @@ impl Conducting<'_> {
     }
 }
 
-/// What is known of a STOP.
+/// Account of a STOP: the time from its arrival to outputs that are off, ms.
 fn off(desk: &Desk, at: Off) -> String {
     let took = desk
         .stopped()

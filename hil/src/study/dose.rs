@@ -11,18 +11,18 @@ use palpate_study::{Known, Session, Stimulus, Trial};
 use super::rehearsal::Rehearsals;
 use super::stimuli::Stimuli;
 
-/// What a session comes to at its strongest.
+/// Dose of a session at its strongest.
 #[derive(Debug, Clone)]
 pub struct Dose {
     /// The larger share of both doses that a session may have: Omega and CEM43.
     pub share: f64,
-    /// How long it takes at the shortest pace, s.
+    /// Length of the session at the shortest pace, s.
     pub seconds: f64,
     /// Trials of each task, and the share that they add.
     pub tasks: Vec<(&'static str, usize, f64)>,
-    /// Where each condition's path goes.
+    /// Path of each condition.
     pub known: Known,
-    /// What each stimulus comes to.
+    /// Rehearsal of each stimulus.
     pub rehearsals: Rehearsals,
 }
 
@@ -89,10 +89,10 @@ fn share(guard: &Guard, at: Instant) -> f64 {
 }
 
 impl Dose {
-    /// Prints it, with the arithmetic.
+    /// Prints the dose, with the arithmetic.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         for (task, trials, share) in &self.tasks {
             let each = 100.0 * share / (*trials).max(1) as f64;

@@ -29,7 +29,7 @@ pub struct Writing {
     participant: u32,
     path: PathBuf,
     file: File,
-    /// What is in it.
+    /// Content of the record so far.
     pub record: Option<Record>,
 }
 
@@ -215,7 +215,7 @@ impl Writing {
         now_ms.max(last_ms + 1)
     }
 
-    /// Adds a line. When this returns it is on the disk.
+    /// Adds a line. It is on the disk when this returns.
     ///
     /// # Errors
     /// [`Failure::Write`] with what the system said, such as a full disk; nothing of the line is kept then.

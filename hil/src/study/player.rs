@@ -23,30 +23,30 @@ pub struct Player {
     seed: u64,
     /// Heat and dose as of [`Self::until`].
     memory: Memory,
-    /// When what was played is over, in the time of the session.
+    /// End of the last stimulus that was played, in the time of the session.
     until: Instant,
-    /// The pages that look on; where there are none, virtual time is not held to the wall clock.
+    /// Pages that look on; without pages virtual time is not held to the wall clock.
     desk: Option<Desk>,
 }
 
-/// When everything was off.
+/// Time at which everything was off.
 pub type Off = std::time::Instant;
 
-/// How a stimulus went.
+/// Outcome of a stimulus.
 #[derive(Debug)]
 pub enum Went {
-    /// To its end.
+    /// The stimulus was played to its end.
     Whole,
     /// STOP cut it short; everything was off at this time.
     Stopped(Off),
-    /// So it did, and the bench keeps it, as this says.
+    /// STOP cut it short at this time, and the bench keeps the stop latched, for this reason.
     Latched(Off, String),
     /// The bench failed, or passed a limit.
     Failed(Failure),
 }
 
 impl Player {
-    /// A bench on which nothing was played yet. What was rehearsed on it need not be again.
+    /// A bench on which nothing was played yet. Stimuli that were rehearsed on it need no further rehearsal.
     #[must_use]
     pub fn new(stimuli: Stimuli, rehearsals: Rehearsals, seed: u64, desk: Option<Desk>) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl Player {
         }
     }
 
-    /// What it plays.
+    /// Stimuli of the bench.
     #[must_use]
     pub const fn stimuli(&self) -> &Stimuli {
         &self.stimuli
@@ -97,13 +97,13 @@ impl Player {
         self.memory.after(Some(at.since(self.until)))
     }
 
-    /// When a stimulus begins that is played at a time of the session, ms: after what was played before.
+    /// Start of a stimulus that is asked for at a time of the session, ms: no earlier than the end of the last one.
     fn begins(&self, now_ms: u64) -> Instant {
         Instant::from_micros(now_ms.saturating_mul(1000)).max(self.until)
     }
 
-    /// What a stimulus at a time of the session, ms, comes to at most: what a guard books for it from rest. `None` where that
-    /// is nothing.
+    /// Bookings that a guard makes at most for a stimulus at a time of
+    /// the session, ms: those from rest. `None` where there are none.
     ///
     /// # Errors
     /// [`Failure`] of a bench that cannot play it.

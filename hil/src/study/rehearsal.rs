@@ -20,20 +20,20 @@ const SEED: u64 = 1;
 /// A stimulus as it was rehearsed.
 #[derive(Debug, Clone)]
 pub(super) struct Rehearsed {
-    /// What its guard booked, with wires.
+    /// Bookings of the guard, each with its wire.
     pub(super) bursts: Vec<(u16, Booked)>,
-    /// How long it lasts.
+    /// Length of the stimulus.
     pub(super) length: Duration,
-    /// Where it went.
+    /// Path of the contact.
     pub(super) path: Path,
 }
 
-/// What was rehearsed so far: each stimulus once.
+/// Stimuli that were rehearsed so far, each once.
 #[derive(Debug, Clone, Default)]
 pub struct Rehearsals(Vec<(Stimulus, Rehearsed)>);
 
 impl Rehearsals {
-    /// What a stimulus comes to.
+    /// Rehearsal of a stimulus; it is played if it was not before.
     ///
     /// # Errors
     /// [`Failure`] of a bench that cannot play it.
@@ -83,7 +83,7 @@ pub(super) fn bursts(guard: &Guard, trace: &Trace) -> Vec<(u16, Booked)> {
     bursts
 }
 
-/// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.
+/// True path of a run's contact: by its strokes, or by what touched the emulated skin.
 pub(super) fn path(setup: &Setup, events: &[Event]) -> Path {
     let strokes = &setup.scene.value.strokes;
     let mut path = Path::new();

@@ -1,5 +1,5 @@
-//! What of a session stands on its pages: the participant's screens, which name no condition, wire or level, and the
-//! experimenter's words.
+//! Parts of a session that stand on its pages: the participant's screens, which name no condition, wire or level, and
+//! the experimenter's words.
 
 use palpate_study::{Ask, Session, Step, Stimulus, Trial};
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 /// Space around the display's wires on a page, mm.
 const MARGIN_MM: f64 = 9.0;
 
-/// What the participant sees of the present step, on a display whose wires lie at these places.
+/// Screen of the participant at the present step, on a display whose wires lie at these places, mm.
 pub(super) fn screen(session: &Session, wires_mm: &[[f64; 2]]) -> Value {
     let protocol = session.protocol();
     let (done, all) = session.progress();

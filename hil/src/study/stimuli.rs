@@ -1,4 +1,4 @@
-//! From what a trial plays to a scene on a bench.
+//! Scenes on a bench for the stimuli of a study's trials.
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::Guard;
@@ -8,10 +8,10 @@ use palpate_study::Stimulus;
 
 /// The reference and a moment more before a wire is driven, s.
 const BEFORE_S: f64 = 0.7;
-/// What a stimulus may still need to end, s.
+/// Time that a stimulus may still need to end, s.
 const AFTER_S: f64 = 0.2;
 
-/// What a protocol plays on a bench.
+/// Stimuli of a protocol on a bench.
 #[derive(Debug, Clone)]
 pub struct Stimuli {
     protocol: Loaded<Protocol>,
@@ -73,13 +73,13 @@ impl Stimuli {
         &self.bench.value.name
     }
 
-    /// Where the display's wires lie, mm.
+    /// Places of the display's wires, mm.
     #[must_use]
     pub fn wires_mm(&self) -> &[[f64; 2]] {
         &self.wires_mm
     }
 
-    /// What the experimenter lays under the finger in a trial, where it plays nothing.
+    /// Object that the experimenter lays under the finger in a trial without a played stimulus.
     #[must_use]
     pub fn present(&self, stimulus: &Stimulus) -> Option<&str> {
         match stimulus {
@@ -174,10 +174,11 @@ impl Stimuli {
         text
     }
 
-    /// The same as an emulated bench, for what is computed beforehand.
+    /// Scene and bench of a stimulus, as in [`Self::setup`], with
+    /// the bench emulated: for results that are computed beforehand.
     ///
     /// # Errors
-    /// As [`Self::setup`].
+    /// The errors of [`Self::setup`].
     pub fn emulated(&self, stimulus: &Stimulus) -> Result<Setup, Failure> {
         let mut setup = self.setup(stimulus)?;
         let bench = &mut setup.bench.value;

@@ -134,7 +134,7 @@ pub fn data(record: &Record) -> String {
     text
 }
 
-/// What the columns of a table are: the JSON beside it.
+/// Description of a table's columns: the JSON beside the table.
 #[must_use]
 pub fn sidecar(protocol: &Protocol) -> String {
     let columns = COLUMNS
@@ -172,7 +172,7 @@ fn part(db: f64) -> f64 {
 
 /// Least gain that a wearer's file may state.
 const LEAST_GAIN: f64 = 0.01;
-/// Between a threshold and the gain above it.
+/// Largest ratio of a threshold to the gain of its wire.
 const BELOW: f64 = 0.99;
 
 /// A wearer's file of a participant's thresholds and matches, for a display of so many wires. `None` without a threshold of

@@ -19,7 +19,7 @@ type Named<'a> = (&'a str, &'a str);
 /// Values at one place of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Where.
+    /// Place along the axis.
     pub x: f64,
     /// The least of the values.
     pub low: f64,
@@ -30,7 +30,7 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// Of all values at `x`; none of nothing.
+    /// Spot of all values at `x`; `None` without a value.
     pub fn of(x: f64, values: &[f64]) -> Option<Self> {
         let (low, high) = ends(values.iter().copied())?;
         let mean = mean(values.iter().copied())?;
@@ -62,9 +62,9 @@ fn around(ends: Option<(f64, f64)>) -> (f64, f64) {
 /// A series by its name, from left to right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// Where it goes through.
+    /// Spots that the line goes through.
     pub spots: Vec<Spot>,
 }
 

@@ -112,7 +112,7 @@ impl Growing {
         Ok((growing, rows))
     }
 
-    /// Whether the table may be written: to be asked before anything is computed.
+    /// Checks that the table may be written, before anything is computed.
     ///
     /// # Errors
     /// [`Failure::Input`] for what is no table.

@@ -56,7 +56,7 @@ pub fn page(conclusion: &Conclusion, rows: &[&RunRow]) -> String {
     out + &foot()
 }
 
-/// What stands in the place of a key where only seeds differ.
+/// Word in the place of a key where only seeds differ.
 const SEED: &str = "seed";
 
 /// The keys with several numbers among their values.
@@ -97,7 +97,7 @@ fn unit(key: &str) -> &'static str {
     }
 }
 
-/// Where a run lies along a key.
+/// Place of a run along a key.
 fn place(row: &RunRow, key: &str) -> Option<f64> {
     match key {
         SEED => Some(row.key.seed as f64),

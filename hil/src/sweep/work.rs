@@ -1,5 +1,5 @@
-//! The grid of a sweep, what of it is in the table, and what is still to run. Who runs it, the threads of `hil sweep` or
-//! the workers of a cluster, changes no byte of the table.
+//! The grid of a sweep, its rows in the table, and those still to run. The table is the same to the byte whether the
+//! threads of `hil sweep` run it or the workers of a cluster.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::growing::Growing;
 use palpate_live::output::Outputs;
 
-/// What is to run, and what has.
+/// Runs that are wanted, and runs that are done.
 #[derive(Debug)]
 pub struct Work {
     grid: Grid,
@@ -21,15 +21,15 @@ pub struct Work {
     variants: Vec<RunKey>,
     /// Rows of the grid, of this process and of earlier ones.
     rows: BTreeMap<RunKey, RunRow>,
-    /// How many of the wanted ones were there.
+    /// Number of wanted rows that were there.
     before: usize,
     part: Option<(usize, usize)>,
 }
 
 impl Work {
-    /// Reads every combination of a grid, so that all are good before anything runs. What they need is read again when
-    /// they do: a scene has more text than a row, and a grid many combinations. Of `part` (K, N) only every N-th row is
-    /// wanted, from the K-th on.
+    /// Reads every combination of a grid, so that all are good before anything runs. Their files are read again when
+    /// they run: a scene has more text than a row, and a grid many combinations. Of `part` (K, N) only every N-th row
+    /// is wanted, from the K-th on.
     ///
     /// # Errors
     /// [`Failure`] for the first combination that cannot run.
@@ -50,7 +50,7 @@ impl Work {
     /// Opens or makes the table, and takes the rows that it has.
     ///
     /// # Errors
-    /// As [`Growing::open`].
+    /// The errors of [`Growing::open`].
     pub fn open(&mut self, path: &Path, outputs: Outputs<'_>) -> Result<Growing, Failure> {
         let swept = self.variants.first().map(|key| key.set.clone());
         let swept = swept.unwrap_or_default();
@@ -81,7 +81,7 @@ impl Work {
     /// Puts the table in the order of the grid.
     ///
     /// # Errors
-    /// As [`Growing::finish`].
+    /// The errors of [`Growing::finish`].
     pub fn finish(&self, table: Growing) -> Result<(), Failure> {
         table.finish(self.keys().filter_map(|(_, key)| self.rows.get(&key)))
     }
@@ -104,13 +104,13 @@ impl Work {
         self.variants.iter().enumerate().flat_map(of)
     }
 
-    /// Those that are wanted: all, or every N-th.
+    /// Wanted runs, each with its combination: all, or every N-th.
     fn wanted(&self) -> impl Iterator<Item = (usize, RunKey)> {
         let (k, n) = self.part.unwrap_or((1, 1));
         self.keys().skip(k - 1).step_by(n)
     }
 
-    /// How many rows are wanted.
+    /// Number of wanted rows.
     pub fn wanted_count(&self) -> usize {
         self.wanted().count()
     }
@@ -121,7 +121,7 @@ impl Work {
         found.collect()
     }
 
-    /// How many of the wanted rows the table had when it was opened.
+    /// Number of wanted rows that the table had when it was opened.
     pub const fn before(&self) -> usize {
         self.before
     }
@@ -133,7 +133,7 @@ impl Work {
         lacking.map(|(variant, key)| (variant, key.seed)).collect()
     }
 
-    /// What tells the run of a combination with this seed from all others; none beyond the grid.
+    /// Key of the run of a combination with this seed; `None` beyond the grid.
     pub fn key(&self, combination: usize, seed: u64) -> Option<RunKey> {
         let key = self.variants.get(combination)?.clone();
         Some(RunKey { seed, ..key })

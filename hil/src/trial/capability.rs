@@ -1,8 +1,8 @@
-//! What a scene needs and a bench may lack.
+//! Capabilities that a scene needs and a bench may lack.
 
 use palpate_files::{Bench, BenchKind, Overload, Scene, SensorLayout};
 
-/// What a bench lacks for a scene, by name; nothing where it can run it.
+/// Names of the capabilities that a bench lacks for a scene; empty where the bench can run it.
 pub fn lacks(scene: &Scene, sensor: &SensorLayout, bench: &Bench) -> Vec<String> {
     let mut missing = Vec::new();
     if let Some(display) = &scene.map.display

@@ -1,4 +1,4 @@
-//! Goldens of scenes that lie in files: beside the scene, in a folder `goldens`. What differs waits there for
+//! Goldens of scenes that lie in files: beside the scene, in a folder `goldens`. A golden that differs waits there for
 //! `hil review`, as it does after `cargo test`.
 
 use std::fs;
@@ -51,7 +51,7 @@ struct Kept {
 }
 
 impl Goldens {
-    /// Those of a scene file on a bench. The emulated bench that ships needs no name in them.
+    /// Goldens of a scene file on a bench. The emulated bench that ships needs no name in them.
     pub fn of(scene: &Path, bench: &str) -> Self {
         let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
         let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
@@ -69,7 +69,7 @@ impl Goldens {
         &self.folder
     }
 
-    /// Begin of the goldens' names: the scene's file, and the bench if it is not the one that ships.
+    /// Prefix of the goldens' names: the scene's file, and the bench if it is not the one that ships.
     pub fn stem(&self) -> &str {
         &self.stem
     }
@@ -112,8 +112,8 @@ impl Goldens {
         ]
     }
 
-    /// Takes what a run did for good; what waits for a decision is decided by it. A golden that says the same already stays as
-    /// it is.
+    /// Accepts the run as its goldens; a text that waits for a decision is decided by it. A golden that says the same
+    /// already stays as it is.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -197,7 +197,7 @@ pub(super) fn parts(path: &Path) -> Option<(&str, &str)> {
 }
 
 impl Kept {
-    /// Where a changed golden waits.
+    /// File of a changed golden that waits.
     fn waiting(&self) -> PathBuf {
         self.path.with_extension("snap.new")
     }

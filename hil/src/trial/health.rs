@@ -1,4 +1,4 @@
-//! What a bench must be like after a trial, so that the next one begins on a bench that works.
+//! Health of a bench after a trial, so that the next one begins on a bench that works.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use palpate_files::{Bench, Overload, Scene, unnumbered};
 use palpate_live::real::watch;
 use palpate_run::Outcome;
 
-/// How long an adapter may take to read its boards.
+/// Time that an adapter has to read its boards.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Complaints about an emulated bench: outputs that stayed on; errors and ill taxels that no fault explains.

@@ -1,4 +1,4 @@
-//! What failed when a folder was last tried: `.palpate/last-failed` in it, scene and bench a line.
+//! Memory of the trials that failed when a folder was last tried: `.palpate/last-failed` in it, scene and bench a line.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What a trial measures: each value with its unit and, where the scene or the limit table has one, its limit.
+//! Measured values of a trial: each with its unit and, where the scene or the limit table has one, its limit.
 
 use palpate_records::model;
 use palpate_records::trace::{Trace, event};
@@ -6,27 +6,27 @@ use palpate_records::trace::{Trace, event};
 use palpate_files::{Expect, Setup};
 use palpate_run::{Onsets, Outcome};
 
-/// What a value is held against.
+/// Limit of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// It may be no larger.
+    /// The value may be no larger.
     AtMost(f64),
-    /// It may be no smaller.
+    /// The value may be no smaller.
     AtLeast(f64),
 }
 
 /// One measured value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
-    /// What it is.
+    /// Name of the value.
     pub name: String,
-    /// How much; `None` where the bench does not measure it, or there was nothing to measure.
+    /// Number; `None` where the bench does not measure it, or there was nothing to measure.
     pub value: Option<f64>,
-    /// Its unit; empty for a count.
+    /// Unit of the value; empty for a count.
     pub unit: &'static str,
-    /// What it is held against.
+    /// Limit of the value, if it has one.
     pub bound: Option<Bound>,
-    /// What this bench lacks for it.
+    /// Capability that this bench lacks for the value.
     pub lacking: Option<&'static str>,
 }
 
@@ -41,7 +41,7 @@ impl Measure {
         }
     }
 
-    /// Whether it counts as good: within its bound, or without one, or not measurable on this bench.
+    /// Tells whether the value counts as good: within its bound, or without one, or not measurable on this bench.
     pub fn good(&self) -> bool {
         if self.lacking.is_some() {
             return true;
@@ -86,7 +86,7 @@ impl Measure {
         }
     }
 
-    /// What is wrong with it, if anything is.
+    /// Complaint about a value beyond its bound.
     pub fn wrong(&self) -> Option<String> {
         let bound = self.bound_text()?;
         if self.good() {
@@ -100,7 +100,7 @@ impl Measure {
     }
 }
 
-/// Whether a scene expects anything.
+/// Tells whether a scene expects anything.
 pub fn expects_anything(expect: &Expect) -> bool {
     *expect != Expect::default()
 }
@@ -133,7 +133,7 @@ fn shares(expect: &Expect, onsets: &Onsets, is_real: bool) -> [Measure; 2] {
     ]
 }
 
-/// Everything a finished run measured, what the scene expects first.
+/// Values that a finished run measured, what the scene expects first.
 pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
     let expect = &setup.scene.value.expect;
     let summary = &outcome.summary;

@@ -30,16 +30,16 @@ pub use page::page;
 pub use suite::{Member, Suite};
 pub use unclaimed::unclaimed;
 
-/// How a trial ended.
+/// End of a trial.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TrialEnd {
-    /// Everything as expected, at once.
+    /// Everything was as expected at the first try.
     Passed,
     /// Expected end of a run whose verdict fails nothing: `NOT FELT` or `OFF THE PAD`.
     Noted(Conclusion),
-    /// As expected only after the tries that are listed.
+    /// Everything was as expected, after the failed tries that are listed.
     Unstable(Vec<String>),
-    /// Not as expected, or the run failed; how gravely, and why.
+    /// Not as expected, or the run failed, with the verdict and its reasons.
     Failed(Conclusion),
     /// Failed, but known to: why it failed, and the reason in the quarantine file.
     Quarantined(Conclusion, String),
@@ -63,7 +63,7 @@ impl TrialEnd {
         }
     }
 
-    /// The same for programs.
+    /// The word for programs.
     pub const fn key(&self) -> &'static str {
         match self {
             Self::Unstable(_) => "unstable",
@@ -74,7 +74,7 @@ impl TrialEnd {
         }
     }
 
-    /// What it counts as among others.
+    /// Verdict of the trial among others.
     pub const fn verdict(&self) -> Verdict {
         match self {
             Self::Failed(conclusion) | Self::Noted(conclusion) => conclusion.verdict,
@@ -83,7 +83,7 @@ impl TrialEnd {
         }
     }
 
-    /// Why it ended so, a line each.
+    /// Reasons of the end, a line each.
     pub fn why(&self) -> &[String] {
         match self {
             Self::Passed => &[],
@@ -95,7 +95,7 @@ impl TrialEnd {
         }
     }
 
-    /// Whether it was tried at all.
+    /// Tells whether the scene was tried at all.
     pub const fn is_tried(&self) -> bool {
         !matches!(self, Self::Refused(_) | Self::Skipped(_))
     }
@@ -106,11 +106,11 @@ impl TrialEnd {
 pub struct Trial {
     /// The scene.
     pub scene: String,
-    /// How it ended.
+    /// End of the trial.
     pub end: TrialEnd,
-    /// What was measured in the last try.
+    /// Measured values of the last try.
     pub measures: Vec<Measure>,
-    /// How long all tries took.
+    /// Time that all tries took.
     pub took: Duration,
     /// A line beside the verdict: what the operator should know.
     pub remark: Option<String>,
@@ -119,7 +119,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// One that was run once.
+    /// A trial that was run once.
     pub fn of(scene: &str, tried: Try, took: Duration) -> Self {
         Self {
             scene: scene.to_owned(),
@@ -135,7 +135,7 @@ impl Trial {
         }
     }
 
-    /// One that was not run, by what ended it.
+    /// A trial that was not run, by its end.
     pub fn untried(scene: &str, end: TrialEnd) -> Self {
         Self {
             scene: scene.to_owned(),
@@ -147,7 +147,7 @@ impl Trial {
         }
     }
 
-    /// One whose files are wrong.
+    /// A trial whose files are wrong.
     pub fn broken(scene: &str, why: String) -> Self {
         Self::untried(scene, TrialEnd::Broken(why))
     }
@@ -156,9 +156,9 @@ impl Trial {
 /// One try: what was measured, and what is wrong.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Try {
-    /// What was measured.
+    /// Measured values.
     pub measures: Vec<Measure>,
-    /// Why it failed, and how gravely; [`Verdict::Ok`] where it passed.
+    /// Verdict and reasons of a failure; [`Verdict::Ok`] where the try passed.
     pub wrong: Conclusion,
     /// The run's own verdict where it is none that fails; [`Verdict::Ok`] where there is nothing to note.
     pub noted: Conclusion,
@@ -184,8 +184,8 @@ impl fmt::Display for Halt {
     }
 }
 
-/// Runs a scene up to `1 + retries` times until it passes; a bench that is not well is not tried again. Returns why
-/// nothing more can be run, too, if so.
+/// Runs a scene up to `1 + retries` times until it passes; a bench that is not well is not tried again. Returns the
+/// trial, and why nothing more can be run, if so.
 pub fn decide(
     scene: &str,
     retries: u32,

@@ -1,4 +1,4 @@
-//! Which trials a command line means: built-in scenes by name, scene files, and folders with the scenes, benches and
+//! Trials that a command line names: built-in scenes by name, scene files, and folders with the scenes, benches and
 //! quarantine of a project.
 
 use std::path::{Path, PathBuf};
@@ -12,21 +12,21 @@ use super::GOLDENS;
 
 /// Folders of build systems, which hold no scenes but may hold many files.
 const SKIPPED: [&str; 2] = ["target", "node_modules"];
-/// How deep folders are searched.
+/// Depth to which folders are searched.
 const DEPTH: usize = 8;
-/// What a folder's own quarantine is called.
+/// Name of a folder's own quarantine.
 const QUARANTINE: &str = "quarantine.toml";
 
 /// A scene that is tried.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// What it says.
+    /// Content of the scene.
     pub scene: Loaded<Scene>,
-    /// Its file; none for a built-in one.
+    /// File of the scene; `None` for a built-in one.
     pub file: Option<PathBuf>,
 }
 
-/// Everything a command line means.
+/// Scenes and files that a command line names.
 #[derive(Clone, Debug, Default)]
 pub struct Suite {
     /// The scenes, in the order of names and paths.
@@ -39,7 +39,7 @@ pub struct Suite {
     pub goldens: Vec<PathBuf>,
     /// Files in the folders that cannot be read, and why.
     pub broken: Vec<(PathBuf, String)>,
-    /// Whether only folders are tried, and everything in them.
+    /// `true` where only folders are tried, and everything in them.
     pub whole: bool,
     /// The first folder named, where what failed is remembered.
     pub folder: Option<PathBuf>,

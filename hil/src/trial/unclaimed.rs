@@ -11,8 +11,8 @@ use palpate_run::Failure;
 use super::golden::{Goldens, LARGEST, SOURCE, parts};
 use super::{Suite, Trial, TrialEnd};
 
-/// The goldens in the folders of a suite that no scene on one of these benches claims, as failed trials. Where the command line
-/// leaves scenes or benches out, only those of scenes that are gone.
+/// The goldens in the folders of a suite that no scene on one of these benches claims, as failed trials. Where the
+/// command line leaves scenes or benches out, these are only goldens of scenes that are gone.
 ///
 /// # Errors
 /// A folder that cannot be read.
@@ -69,7 +69,7 @@ pub fn unclaimed(suite: &Suite, benches: &[&str], all_tried: bool) -> Result<Vec
     Ok(found)
 }
 
-/// Whether `hil test` wrote a golden. One that cannot be read holds nothing either.
+/// Tells whether `hil test` wrote a golden; `true` also for one that cannot be read.
 fn is_ours(path: &Path) -> bool {
     let text = read_text(path, "a golden", LARGEST);
     text.map_or(true, |text| {

@@ -37,12 +37,12 @@ impl<'a> Reader<'a> {
         self.take().map(u64::from_le_bytes)
     }
 
-    /// What is left.
+    /// Bytes not yet read.
     pub(super) const fn rest(&self) -> &'a [u8] {
         self.rest
     }
 
-    /// Whether all was read.
+    /// Tells whether every byte was read.
     pub(super) const fn is_done(&self) -> bool {
         self.rest.is_empty()
     }

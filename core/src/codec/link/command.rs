@@ -1,6 +1,6 @@
-//! What a host says: how old its reading is, and every stimulus that has yet to begin.
+//! A host's command: the age of its reading, and every stimulus that has yet to begin.
 //!
-//! A command is a state, not a step: it replaces the plan before it. So any of them may be lost, and the newest wins.
+//! A command is a state, not a step: it replaces the plan before it. Any of them may be lost; the newest wins.
 
 use super::bytes::{Reader, Writer};
 use super::{MOST_PLANNED, Refusal};
@@ -10,7 +10,7 @@ use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 const EACH: usize = 10;
 /// Bits of a width in a stimulus; those above are its current.
 const WIDTH_BITS: u32 = 12;
-/// The largest of either, and the most current, mA, that a link carries.
+/// Largest value of either field, and so the most current, mA, that a link carries.
 pub const MOST_CURRENT: u32 = (1 << WIDTH_BITS) - 1;
 
 /// A stimulus in time to come, in the unit's time.
@@ -18,11 +18,12 @@ pub const MOST_CURRENT: u32 = (1 << WIDTH_BITS) - 1;
 pub struct Planned {
     /// The board, 0 ..= 15.
     pub board: Board,
-    /// Its channel, 0 ..= 15.
+    /// Channel of that board, 0 ..= 15.
     pub channel: Channel,
-    /// Pulse width; none ends what the channel does.
+    /// Pulse width; zero ends the channel's stimulus.
     pub width: Ticks,
-    /// What the amplifier is set to before, 4095 mA at most; none where it has one current, or shall give its most.
+    /// Current that the amplifier is set to before the onset, 4095 mA
+    /// at most; zero for an amplifier of one current, or for its most.
     pub current: Milliamps,
     /// Onset.
     pub at: Instant,
@@ -31,7 +32,7 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// None: what fills memory that is not used.
+    /// Empty entry that fills unused memory of a plan.
     pub const NONE: Self = Self {
         board: Board(0),
         channel: Channel(0),
@@ -42,20 +43,20 @@ impl Planned {
     };
 }
 
-/// What is done beside the plan.
+/// Request of a host beside its plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Request {
-    /// Nothing.
+    /// No request beside the plan.
     #[default]
     Play,
     /// Everything goes off now and the plan is empty.
     Off,
-    /// The same, and it stays off until the stop is acknowledged.
+    /// Everything goes off now, the plan is empty, and the unit stays off until the stop is acknowledged.
     Stop,
 }
 
 impl Request {
-    /// Its byte.
+    /// Byte on the wire.
     pub const fn number(self) -> u8 {
         match self {
             Self::Play => 0,
@@ -70,39 +71,39 @@ impl Request {
     }
 }
 
-/// What a host asks of a Peltier module.
+/// Request of a host to a Peltier module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Warmth {
-    /// What its face shall become, millidegrees C.
+    /// Wanted temperature of the module's face, millidegrees C.
     pub face_mc: u16,
     /// The warmest that the wires bear by the host's own guard, millidegrees C.
     pub ceiling_mc: u16,
 }
 
-/// What a command says beside its plan.
+/// Content of a command beside its plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Said {
-    /// When the newest reading was received, in the unit's time: no later than that. Zero without a reading.
+    /// Reception of the newest reading in the unit's time, or somewhat earlier, never later; zero without a reading.
     pub reading: Instant,
     /// The unit's stops that the host has seen and takes for over.
     pub stops: u32,
-    /// What else.
+    /// Request beside the plan.
     pub request: Request,
-    /// Of a Peltier module; nothing switches it off.
+    /// Request to the Peltier module, if there is one; nothing switches the module off.
     pub warmth: Option<Warmth>,
 }
 
 /// A command as it was received: the stimuli stay bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command<'a> {
-    /// All but the plan.
+    /// Content of the command beside its plan.
     pub said: Said,
     base: Instant,
     entries: &'a [u8],
 }
 
 impl<'a> Command<'a> {
-    /// A body's meaning.
+    /// Reads the body of a datagram.
     ///
     /// # Errors
     /// [`Refusal::Body`] for a length that does not fit, or an unknown request.
@@ -157,7 +158,7 @@ impl<'a> Command<'a> {
         self.entries.as_chunks::<EACH>().0.iter().filter_map(one)
     }
 
-    /// Writes a command's body; its length. Stimuli beyond [`MOST_PLANNED`] are left out.
+    /// Writes a command's body; returns its length. Stimuli beyond [`MOST_PLANNED`] are left out.
     pub fn write(out: &mut [u8], said: &Said, plan: &[Planned]) -> usize {
         let plan = plan.get(..MOST_PLANNED).unwrap_or(plan);
         let base = plan.iter().map(|p| p.at).min().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a unit says of itself: what it drives, and by which limits.
+//! A unit's answer to a knock: the hardware that it drives, and the limits of its guard.
 
 use super::bytes::{Reader, Writer};
 use super::{Refusal, State};
@@ -11,25 +11,25 @@ pub const BUSY: u8 = 1;
 pub const HEAT: u8 = 2;
 /// The flag of a unit that has a Peltier module.
 pub const WARMTH: u8 = 4;
-/// What stands for the chips' own oscillator in place of a tolerance.
+/// Number in the tolerance field that stands for the chips' own oscillator.
 pub const INTERNAL: u32 = u32::MAX;
 
 /// A unit's answer to a knock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hello {
-    /// Its clock as it answered.
+    /// The unit's clock as it answered.
     pub now: Instant,
-    /// Another host drives it.
+    /// `true` where another host drives the unit.
     pub busy: bool,
-    /// Its guard has the thermal rows.
+    /// `true` where the unit's guard has the thermal rows.
     pub heat: bool,
-    /// It has a Peltier module.
+    /// `true` where the unit has a Peltier module.
     pub warmth: bool,
-    /// Whether it drives.
+    /// Ready, or stopped by a cause.
     pub state: State,
     /// The stops so far; a host that takes over acknowledges them.
     pub stops: u32,
-    /// What its guard knows of boards and wires.
+    /// Boards and wires as the unit's guard knows them.
     pub plant: Plant,
     /// The limits that were burnt in.
     pub limits: Limits,
@@ -40,7 +40,7 @@ pub struct Hello {
 }
 
 impl Hello {
-    /// A body's meaning.
+    /// Reads the body of a datagram.
     ///
     /// # Errors
     /// [`Refusal::Body`] for another length, or a clock or divider that no chip takes.
@@ -95,7 +95,7 @@ impl Hello {
         })
     }
 
-    /// Writes the body; its length.
+    /// Writes the body; returns its length.
     pub fn write(&self, out: &mut [u8]) -> usize {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());

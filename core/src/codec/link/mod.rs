@@ -33,21 +33,21 @@ pub const MOST: usize = 1400;
 /// The bit of a sequence that says that the unit sent it.
 pub const FROM_UNIT: u64 = 1 << 63;
 
-/// What a datagram is.
+/// Kind of a datagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A host asks who is there; no body.
     Knock,
     /// The unit's answer, [`Hello`].
     Hello,
-    /// What shall be felt, [`Command`].
+    /// Stimuli to be felt, [`Command`].
     Command,
-    /// What became of it, [`Status`].
+    /// Report of a unit on a command, [`Status`].
     Status,
 }
 
 impl Kind {
-    /// Its byte.
+    /// Byte in a datagram.
     pub const fn number(self) -> u8 {
         match self {
             Self::Knock => 1,
@@ -57,7 +57,7 @@ impl Kind {
         }
     }
 
-    /// What a datagram says that it is.
+    /// Kind that a datagram's header states; `None` for a datagram too short or of an unknown kind.
     pub fn of(datagram: &[u8]) -> Option<Self> {
         let kinds = [Self::Knock, Self::Hello, Self::Command, Self::Status];
         let number = datagram.get(3)?;
@@ -72,7 +72,7 @@ impl Kind {
 /// The clear part of a datagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// What it is.
+    /// Kind of the datagram.
     pub kind: Kind,
     /// The host's half of the session: a number that it never used before with this key.
     pub host: u64,
@@ -82,40 +82,40 @@ pub struct Header {
     pub sequence: u64,
 }
 
-/// Why a datagram counts as none.
+/// Reason for which a datagram is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// Shorter than header and tag, or longer than [`MOST`].
+    /// A datagram shorter than header and tag, or longer than [`MOST`].
     #[error("expected a datagram of {} to {MOST} bytes", HEADER + TAG)]
     Length,
-    /// It does not begin with [`MAGIC`].
+    /// A datagram that does not begin with [`MAGIC`].
     #[error("expected a datagram of a driver unit, which begins with \"PU\"")]
     Magic,
-    /// Another version than [`VERSION`].
+    /// A datagram of another version than [`VERSION`].
     #[error(
         "expected version {VERSION} of the link, found {0}: bring host and unit to the same version"
     )]
     Version(u8),
-    /// No kind of datagram, or one that goes the other way.
+    /// A datagram of no kind, or of one that goes the other way.
     #[error("expected a kind that this end receives, found {0}")]
     Kind(u8),
-    /// The tag does not fit: another key, or altered on its way.
+    /// A tag that does not fit: the key is another, or the datagram was altered on its way.
     #[error("the tag does not fit: expected the key that this unit was given")]
     Forged,
-    /// Sealed by the right key, but the body is none of its kind.
+    /// A datagram that was sealed by the right key, with a body that is none of its kind.
     #[error("the body is none of its kind")]
     Body,
-    /// Of another session, or not newer than what was heard.
+    /// A datagram of another session, or one not newer than the newest that was heard.
     #[error("of another session, or not newer than what was heard")]
     Stale,
 }
 
 impl Header {
-    /// Reads the clear part. What it says is only true once [`Key::open`] has said so.
+    /// Reads the clear part. It is authentic only once [`Key::open`] has opened the datagram.
     ///
     /// # Errors
-    /// What makes it none.
+    /// [`Refusal`] of a wrong length, magic, version or kind.
     pub fn read(datagram: &[u8]) -> Result<Self, Refusal> {
         if !(HEADER + TAG..=MOST).contains(&datagram.len()) {
             return Err(Refusal::Length);
@@ -145,8 +145,8 @@ impl Header {
         })
     }
 
-    /// What a unit answers to a knock of a version that it does not speak: its own version, nothing that is sealed, no more
-    /// bytes than came. `None` for any other datagram.
+    /// Answer to a knock of a version that the unit does not speak: the unit's own version, nothing that is sealed, no
+    /// more bytes than came. `None` for any other datagram.
     pub fn other_version(datagram: &[u8]) -> Option<[u8; HEADER + TAG]> {
         let mut reader = bytes::Reader::new(datagram);
         let magic = [reader.u8()?, reader.u8()?];
@@ -203,12 +203,12 @@ fn nonce(header: &[u8; HEADER]) -> XNonce {
 }
 
 impl Key {
-    /// From its 32 bytes.
+    /// Key from its 32 bytes.
     pub fn new(bytes: &[u8; 32]) -> Self {
         Self(XChaCha20Poly1305::new(bytes.into()))
     }
 
-    /// Seals a body that `write` puts into the buffer and returns the length of; the datagram.
+    /// Seals the body that `write` puts into the buffer, whose length `write` returns. Returns the datagram.
     pub fn seal<'b>(
         &self,
         header: &Header,
@@ -229,7 +229,7 @@ impl Key {
         &buffer[..end + TAG]
     }
 
-    /// Opens a datagram in place; its body.
+    /// Opens a datagram in place; returns its body.
     ///
     /// # Errors
     /// [`Refusal::Length`], or [`Refusal::Forged`] with the bytes as they came.

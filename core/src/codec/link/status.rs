@@ -1,4 +1,4 @@
-//! What became of commands: a unit's answer to each.
+//! A unit's answer to each command.
 
 use super::Refusal;
 use super::bytes::{Reader, Writer};
@@ -6,17 +6,17 @@ use crate::guard::Cause;
 use crate::peltier::PeltierReason;
 use crate::units::Instant;
 
-/// Whether a unit drives.
+/// State of a unit: ready to drive, or stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It does what it is commanded, as far as its guard lets it.
+    /// The unit does what it is commanded, as far as its guard lets it.
     Ready,
-    /// Its guard is latched: off until the stop is acknowledged and its cause is gone.
+    /// The unit's guard is latched: off until the stop is acknowledged and its cause is gone.
     Stopped(Cause),
 }
 
 impl State {
-    /// Its byte.
+    /// Byte on the wire.
     pub const fn number(self) -> u8 {
         match self {
             Self::Ready => 0,
@@ -44,44 +44,44 @@ impl State {
     }
 }
 
-/// In place of a phase: the chip drives nothing, so its counter is held.
+/// Number in place of a phase: the chip drives nothing, so its counter is held.
 pub const HELD: u16 = u16::MAX;
 
-/// What a unit says of its Peltier module.
+/// Report of a unit on its Peltier module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Face {
     /// The face, led by its thermistor's lag, millidegrees C; zero where no sensor tells it.
     pub face_mc: u16,
-    /// The warmest that it can be, millidegrees C; zero without a module.
+    /// The warmest that the face can be, millidegrees C; zero without a module.
     pub warmest_mc: u16,
-    /// What is aimed at now, millidegrees C; zero where nothing is.
+    /// Temperature that the control aims at now, millidegrees C; zero without an aim.
     pub aim_mc: u16,
     /// The sink, millidegrees C; zero where no sensor tells it.
     pub sink_mc: u16,
-    /// Through the module, mA; positive cools the face.
+    /// Current through the module, mA; positive cools the face.
     pub milliamps: i16,
-    /// Why that is not what its control asked for.
+    /// Reason for which the current is not the one that the control asked for.
     pub reason: Option<PeltierReason>,
 }
 
 /// A unit's report. Counters run since its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Status {
-    /// Its clock as it answered.
+    /// The unit's clock as it answered.
     pub now: Instant,
     /// The sequence of the newest command that it took.
     pub echo: u64,
-    /// When it took that.
+    /// Time at which the unit took that command.
     pub taken: Instant,
-    /// Whether it drives.
+    /// Ready, or stopped by a cause.
     pub state: State,
-    /// Its stops so far.
+    /// Stops of the unit so far.
     pub stops: u32,
     /// Stimuli begun.
     pub applied: u32,
-    /// Of them, those that its guard changed or refused.
+    /// Begun stimuli that the unit's guard changed or refused.
     pub limited: u32,
-    /// Why, a bit for each of [`Reason::ALL`](crate::schedule::Reason::ALL).
+    /// Reasons of the guard for those, a bit for each of [`Reason::ALL`](crate::schedule::Reason::ALL).
     pub reasons: u16,
     /// Stimuli left out: too late, with too old a reading, or while stopped.
     pub dropped: u32,
@@ -91,14 +91,14 @@ pub struct Status {
     pub refused: u32,
     /// Skin 0.1 mm deep, the most predicted so far, millidegrees C; zero without thermal rows.
     pub skin_mc: u32,
-    /// How far each board's chip is into its period, microseconds by the nominal clock, or [`HELD`].
+    /// Progress of each board's chip through its PWM period, microseconds by the nominal clock, or [`HELD`].
     pub phase_us: [u16; 16],
-    /// Its Peltier module.
+    /// The unit's Peltier module.
     pub face: Face,
 }
 
 impl Status {
-    /// A body's meaning.
+    /// Reads the body of a datagram.
     ///
     /// # Errors
     /// [`Refusal::Body`] for another length or an unknown state.
@@ -141,7 +141,7 @@ impl Status {
         reader.is_done().then_some(status)
     }
 
-    /// Writes the body; its length.
+    /// Writes the body; returns its length.
     pub fn write(&self, out: &mut [u8]) -> usize {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());

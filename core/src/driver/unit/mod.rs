@@ -21,23 +21,23 @@ const HEARTBEAT: Duration = Duration::from_millis(10);
 const KNOCK: Duration = Duration::from_millis(20);
 /// A unit that has not answered for this long has switched off by itself.
 const SILENT: Duration = Duration::from_millis(150);
-/// After this the session is given up, and begun anew.
+/// Silence after which the session is given up and begun anew.
 const LOST: Duration = Duration::from_millis(300);
 /// A line stays in the plan for this long after its onset at the least: the unit begins none later.
 const KEPT: Duration = Duration::from_millis(10);
 /// Commands whose sending times are remembered, to be found by an answer.
 const REMEMBERED: usize = 64;
 
-/// How a host treats its unit.
+/// Settings of a host for its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitSettings {
-    /// From an onset to its effect: more than the network's usual way.
+    /// Time from an onset to its effect: more than the network's usual delay.
     pub delay: Duration,
-    /// Whether a stop of the unit is acknowledged without a person.
+    /// `true` where a stop of the unit is acknowledged without a person.
     pub resumes: bool,
 }
 
-/// What the link came to.
+/// Counts of the link's traffic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounts {
     /// Commands sent.
@@ -57,7 +57,7 @@ struct Open {
     hello: Hello,
     /// Sequence of the unit's newest datagram.
     heard: u64,
-    /// When it came.
+    /// Reception of that datagram.
     at: Instant,
 }
 
@@ -78,9 +78,9 @@ pub struct UnitDriver {
     count: usize,
     /// The plan was changed since the last command.
     fresh: bool,
-    /// Everything off, or off and stopped: until a command with this sequence or a later one was taken.
+    /// Request to go off, or off and stopped, until a command with this sequence or a later one was taken.
     off: Option<(Request, u64)>,
-    /// What its Peltier module shall do.
+    /// Request to the unit's Peltier module.
     warmth: Option<Warmth>,
     sent: [(u64, Instant); REMEMBERED],
     last: Option<Instant>,
@@ -110,7 +110,7 @@ impl UnitDriver {
         }
     }
 
-    /// What the unit says of itself, once it has answered.
+    /// The unit's answer to the knock, once it has come.
     pub fn hello(&self) -> Option<&Hello> {
         self.open.as_ref().map(|open| &open.hello)
     }
@@ -120,13 +120,13 @@ impl UnitDriver {
         self.status.as_ref()
     }
 
-    /// How old that report is, by the unit's clock as it is known here.
+    /// Age of the unit's newest report, by the unit's clock as it is known here.
     pub fn status_age(&self, now: Instant) -> Option<Duration> {
         let status = self.status.as_ref()?;
         self.sync.of(now).map(|there| there.since(status.now))
     }
 
-    /// What the link came to.
+    /// Counts of the link's traffic.
     pub const fn counts(&self) -> LinkCounts {
         self.counts
     }
@@ -136,10 +136,10 @@ impl UnitDriver {
         self.host
     }
 
-    /// Whether the unit can be driven at `now`.
+    /// Confirms that the unit can be driven at `now`.
     ///
     /// # Errors
-    /// What keeps it from that.
+    /// [`UnitFault`]: the unit is silent, busy or stopped.
     pub fn ready(&self, now: Instant) -> Result<(), UnitFault> {
         let Some(open) = &self.open else {
             return Err(UnitFault::Silent);
@@ -164,7 +164,7 @@ impl UnitDriver {
         }
     }
 
-    /// When [`Self::datagram`] has one at the latest, if the plan stays as it is.
+    /// Latest time at which [`Self::datagram`] has one, if the plan stays as it is.
     pub fn next(&self) -> Instant {
         let every = if self.open.is_some() {
             HEARTBEAT
@@ -242,7 +242,7 @@ impl UnitDriver {
         self.status.map_or(greeted, |status| status.stops)
     }
 
-    /// What its Peltier module shall do from the next command on; nothing switches that off.
+    /// Sets the request to the unit's Peltier module from the next command on; nothing switches the module off.
     pub const fn warm(&mut self, warmth: Option<Warmth>) {
         self.warmth = warmth;
     }
@@ -259,7 +259,7 @@ impl UnitDriver {
         self.off = Some((request, u64::MAX));
     }
 
-    /// Whether the unit has yet to say that it took [`Self::stop`] or an all-off.
+    /// Tells whether the unit has yet to say that it took [`Self::stop`] or an all-off.
     pub const fn is_asking(&self) -> bool {
         self.off.is_some()
     }
@@ -273,7 +273,7 @@ impl UnitDriver {
         self.off = self.off.map(|(request, _)| (request, u64::MAX));
     }
 
-    /// Stimuli that are over leave the plan. Those that run stay, for an update may end them before their time.
+    /// Drops stimuli that are over from the plan. Those that run stay, for an update may end them before their time.
     fn forget_over(&mut self, now: Instant) {
         let Some(now) = self.sync.of(now) else {
             return;
@@ -292,7 +292,7 @@ impl UnitDriver {
     /// Takes a datagram that came at `now`.
     ///
     /// # Errors
-    /// Why it counts as none.
+    /// [`Refusal`] of a datagram that counts as none.
     pub fn hear(&mut self, now: Instant, datagram: &mut [u8]) -> Result<(), Refusal> {
         let heard = self.take(now, datagram);
         if heard.is_err() {
@@ -410,7 +410,8 @@ impl Actuators for UnitDriver {
         self.plan(update).map_err(DriverError::Unit)
     }
 
-    /// What the unit does is known once it has answered; it switches off by itself if it does not hear this.
+    /// Asks the unit for an all-off. Its effect is known once the unit has answered; a unit that does not hear it
+    /// switches off by itself.
     fn all_off(&mut self) -> Result<(), DriverError> {
         self.ask(Request::Off);
         match &self.open {

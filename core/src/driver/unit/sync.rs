@@ -22,10 +22,10 @@ impl Enclosure {
     }
 }
 
-/// Both clocks.
+/// Relation of the unit's clock to the host's.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sync {
-    /// Of this window, and of the one before.
+    /// Narrowest enclosure of this window, and of the one before.
     best: [Option<Enclosure>; 2],
     since: Instant,
 }
@@ -79,7 +79,7 @@ impl Sync {
         Some(instant(micros(host) + e.least + e.width() / 2))
     }
 
-    /// The same, surely not later than it is.
+    /// A time of the host in the unit's, at its least: never later than the true one.
     pub(super) fn earliest(&self, host: Instant) -> Option<Instant> {
         Some(instant(micros(host) + self.now()?.least))
     }

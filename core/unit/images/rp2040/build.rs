@@ -1,4 +1,4 @@
-//! Where the linker finds flash and memory of a Raspberry Pi Pico.
+//! Tells the linker of the flash and memory of a Raspberry Pi Pico.
 
 use std::env;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Where the linker finds flash and memory: as much as an Adafruit Feather M0 has.
+//! Tells the linker of flash and memory: as much as an Adafruit Feather M0 has.
 
 use std::env;
 use std::fs;

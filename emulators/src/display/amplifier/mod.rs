@@ -1,4 +1,4 @@
-//! Current amplifiers: a pin in, the current that a wire is to get out. [`supply`] says what it truly gets.
+//! Current amplifiers: a pin in, the current that a wire is to get out. [`supply`] has the current that it truly gets.
 
 pub mod supply;
 
@@ -9,25 +9,25 @@ use palpate_core::units::{Channel, Milliamps};
 use crate::display::pca9685::{Edge, Pin};
 use crate::time::Nanos;
 
-/// What the amplifiers of a bench are like.
+/// Properties of a bench's amplifiers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmplifierConfig {
     /// Current of a wire that is on, while the supply has it; at a converter's full scale, where there is one.
     pub current: Milliamps,
-    /// How far it is from what a converter sets; `None` where it is fixed.
+    /// Error of the current that a converter sets; `None` where the current is fixed.
     pub set: Option<SetError>,
-    /// From no current to all of it, and back; linear.
+    /// Time from no current to all of it, and back; linear.
     pub rise: Nanos,
     /// Resistance of a transistor that is on, in series with its wire, Ohm.
     pub on_ohm: f64,
 }
 
-/// How far the current of an amplifier is from what its converter sets.
+/// Error of an amplifier's current against the one that its converter sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetError {
-    /// What flows over what was set.
+    /// Ratio of the current that flows to the current that was set.
     pub gain: f64,
-    /// What flows beside that, mA; below zero less.
+    /// Current that flows besides, mA; negative where less flows.
     pub offset_ma: f64,
 }
 
@@ -51,25 +51,26 @@ pub enum AmplifierFault {
 /// A change of the current that a wire is to get.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Current {
-    /// When.
+    /// Time of the change.
     pub at: Nanos,
-    /// Which wire.
+    /// Channel of the wire.
     pub channel: Channel,
     /// The current from then on, if the supply has it.
     pub current: Milliamps,
 }
 
-/// When an edge of the pin takes effect behind an amplifier whose current rises and falls linearly in
-/// `rise`. The ramp is told as the one instant that puts the same energy into the wire: two thirds of it on the
-/// way up, where the square of the current is small at first, one third on the way down. A pulse shorter
-/// than a third of the rise gives nothing.
+/// Time at which an edge of the pin takes effect behind an amplifier whose current rises and
+/// falls linearly in `rise`. The ramp counts as the one instant that puts the same energy
+/// into the wire: two thirds of it on the way up, where the square of the current is small at
+/// first, one third on the way down. A pulse shorter than a third of the rise gives nothing.
 pub(crate) fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
     let part = if edge.pin == Pin::High { 2 } else { 1 };
     edge.at + Nanos(rise.0 * part / 3)
 }
 
-/// How long after it began a linear ramp between two currents takes effect: the one instant that puts the same energy into
-/// the wire, of `rise` for the whole way. From nothing that are two thirds, to nothing one.
+/// Time from the start of a linear ramp between two currents to its effect: the one instant that puts the same energy
+/// into the wire. The whole way, from zero to full current, takes `rise`. A ramp from zero takes effect at two thirds,
+/// a ramp to zero at one third.
 pub fn settles(was: Milliamps, is: Milliamps, rise: Nanos) -> Nanos {
     let (was, is) = (u64::from(was.0), u64::from(is.0));
     let both = (was + is).max(1);
@@ -79,7 +80,7 @@ pub fn settles(was: Milliamps, is: Milliamps, rise: Nanos) -> Nanos {
 #[derive(Clone, Copy, Debug)]
 struct Output {
     pin: Pin,
-    /// What flows while it conducts.
+    /// Current while the output conducts.
     peak: Milliamps,
     fault: Option<AmplifierFault>,
 }
@@ -142,7 +143,7 @@ impl Amplifier {
         self.change(at, channel, |output| output.peak = peak)
     }
 
-    /// What one output is set to now, whether or not it gives it.
+    /// Current that one output is set to now, whether or not it gives it.
     pub fn peak(&self, channel: Channel) -> Milliamps {
         let output = self.outputs.get(usize::from(channel.0));
         output.map_or(Milliamps(0), |output| output.peak)
@@ -154,7 +155,7 @@ impl Amplifier {
         output.map_or(Milliamps(0), Output::flows)
     }
 
-    /// What all outputs of this board are to give now.
+    /// Current that all outputs of this board together are to give now.
     pub fn sum(&self) -> Milliamps {
         Milliamps((self.outputs.iter()).fold(0, |sum, o| sum.saturating_add(o.flows().0)))
     }

@@ -61,12 +61,12 @@ pub struct Load {
     pub asked: f64,
     /// Wire, leads and the amplifier's on-resistance, Ohm; above zero.
     pub ohm: f64,
-    /// What flows, A.
+    /// Current that flows, A.
     pub amps: f64,
 }
 
 impl Load {
-    /// Voltage under which it loses regulation, V.
+    /// Voltage under which the amplifier loses regulation, V.
     fn needs(&self) -> f64 {
         self.asked * self.ohm
     }
@@ -84,7 +84,7 @@ pub struct Supply {
 }
 
 impl Supply {
-    /// The sum over all boards from `at` on. Times do not go backwards.
+    /// Sets the sum over all boards from `at` on. Times do not go backwards.
     pub fn set(&mut self, at: Nanos, sum: Milliamps) {
         if at > self.at {
             self.settle();
@@ -93,7 +93,7 @@ impl Supply {
         self.now = sum;
     }
 
-    /// What flows now.
+    /// Current that flows now.
     pub const fn current(&self) -> Milliamps {
         self.now
     }

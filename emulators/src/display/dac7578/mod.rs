@@ -18,20 +18,20 @@ use registers::Message;
 /// An output took another level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Level {
-    /// When: the end of the acknowledge bit of the last byte, or of a pin.
+    /// Time of the change: the end of the acknowledge bit of the last byte, or of a pin.
     pub at: Nanos,
-    /// Which output, 0 for A.
+    /// Output, 0 for A.
     pub channel: Channel,
-    /// The code that it stands for; 0 for an output that is powered down.
+    /// Code of the new level; 0 for an output that is powered down.
     pub code: u16,
 }
 
-/// What a channel holds.
+/// Registers of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Slot {
-    /// What was written, and waits for an update.
+    /// Code that was written and waits for an update.
     input: u16,
-    /// What the converter is loaded with.
+    /// Code that the converter is loaded with.
     dac: u16,
     /// Power-down mode, 0 for on [power-down commands].
     power: u8,
@@ -53,7 +53,7 @@ pub struct Dac7578 {
     address: u8,
     powered: bool,
     slots: [Slot; CHANNELS as usize],
-    /// What CLR loads: 0 zero scale, 1 half, 2 full, 3 nothing.
+    /// Level that CLR loads: 0 zero scale, 1 half, 2 full, 3 nothing.
     clear_code: u8,
     /// Channels that do without the LDAC pin, a bit each.
     no_pin: u8,
@@ -92,7 +92,7 @@ impl Dac7578 {
         }
     }
 
-    /// Its 7-bit address.
+    /// 7-bit address of the chip.
     pub const fn address(&self) -> u8 {
         self.address
     }
@@ -160,8 +160,8 @@ impl Dac7578 {
         self.settle();
     }
 
-    /// From now on a channel's DAC register keeps its code, whatever is written and acknowledged, or is repaired. A channel
-    /// that does not exist is left alone.
+    /// Lets a channel's DAC register keep its code from now on, whatever is written and acknowledged, or repairs it. A
+    /// channel that does not exist is left alone.
     pub fn set_stuck(&mut self, channel: Channel, stuck: bool) {
         if let Some(slot) = self.slots.get_mut(usize::from(channel.0)) {
             slot.stuck = stuck;
@@ -181,7 +181,7 @@ impl Dac7578 {
         self.now = self.now.max(at);
     }
 
-    /// Reset values, where a register takes them.
+    /// Puts registers to their reset values, where they have any.
     fn reset(&mut self) {
         for slot in &mut self.slots {
             (slot.input, slot.power) = (0, 0);
@@ -193,7 +193,7 @@ impl Dac7578 {
         self.access = 0;
     }
 
-    /// Puts what the channels hold on the outputs, now.
+    /// Puts the codes that the channels hold on the outputs, now.
     fn settle(&mut self) {
         for (number, (slot, level)) in (0..).zip(self.slots.iter().zip(&mut self.levels)) {
             let code = match slot.power {

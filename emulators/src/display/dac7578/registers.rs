@@ -6,7 +6,7 @@ use palpate_core::codec::dac7578 as map;
 use super::Dac7578;
 use crate::time::Nanos;
 
-/// What the current message is to this chip.
+/// State of the current message for this chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Message {
     /// Not for this chip.
@@ -16,12 +16,12 @@ pub(super) enum Message {
     Command,
     /// Data for that command: its high byte, once it has come. Pairs may follow each other [example 4].
     Data(Option<u8>),
-    /// Addressed for reading; whether the high byte is out.
+    /// Addressed for reading; `true` once the high byte is out.
     Read(bool),
 }
 
 impl Dac7578 {
-    /// Whether the chip answers to the 7-bit `address`: its own, and the broadcast address for writing.
+    /// Tells whether the chip answers to the 7-bit `address`: its own, and the broadcast address for writing.
     pub fn answers(&self, address: u8, read: bool) -> bool {
         let broadcast = address == map::BROADCAST_ADDRESS && !read;
         self.powered && (address == self.address || broadcast)
@@ -73,7 +73,7 @@ impl Dac7578 {
         self.message = Message::Idle;
     }
 
-    /// What the last command and access byte reads; 0 where that is nothing.
+    /// Value that a read after the last command and access byte returns; 0 where there is nothing to read.
     fn register(&self) -> u16 {
         let slot = self.slots.get(usize::from(self.access & map::ALL));
         match self.access & !map::ALL {
@@ -89,7 +89,7 @@ impl Dac7578 {
         }
     }
 
-    /// A whole command has come.
+    /// Executes a whole command.
     fn execute(&mut self, data: u16) {
         let (command, access) = (self.access & !map::ALL, self.access & map::ALL);
         let channels = match access {

@@ -23,7 +23,7 @@ pub struct Depth {
 }
 
 impl Depth {
-    /// The temperature there, from all node temperatures.
+    /// The temperature at the depth, from all node temperatures.
     pub fn of(&self, nodes: &[f64; NODES]) -> f64 {
         nodes[self.node] * (1.0 - self.weight) + nodes[self.node + 1] * self.weight
     }

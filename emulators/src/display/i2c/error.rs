@@ -1,4 +1,4 @@
-//! What can go wrong on the bus: Linux's names for it, and embedded-hal's.
+//! Errors of the bus: Linux's names for them, and embedded-hal's.
 
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
 
@@ -44,7 +44,7 @@ impl Error {
 }
 
 impl I2cError for Error {
-    /// As linux-embedded-hal maps the numbers, except that EREMOTEIO, which it calls `Other`, is what it is:
+    /// Maps the numbers as linux-embedded-hal does, but for EREMOTEIO: linux-embedded-hal calls it `Other`, here it is
     /// a data byte without acknowledge.
     fn kind(&self) -> ErrorKind {
         match self {

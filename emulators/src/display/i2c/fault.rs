@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use palpate_core::random::RandomStream;
 
-/// What the layer does to a transaction.
+/// Fault that the layer puts into a transaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum I2cFaultKind {
     /// The address is not acknowledged; nothing reaches the chip.
@@ -18,12 +18,12 @@ pub enum I2cFaultKind {
     StuckBus,
     /// The adapter fails after the transfer: everything has reached the chip, and the host cannot know.
     Eio,
-    /// SCL is held low for [`I2cFaults::stretch_ns`] first; whether that fails is the bus's business.
+    /// SCL is held low for [`I2cFaults::stretch_ns`] first; the bus decides whether that fails.
     LongStretch,
 }
 
 impl I2cFaultKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 6] = [
         Self::AddressNack,
         Self::DataNack,
@@ -34,7 +34,7 @@ impl I2cFaultKind {
     ];
 }
 
-/// How often what goes wrong.
+/// Rates of the faults.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct I2cFaults {
     /// Probability of each kind, a transaction, in the order of [`I2cFaultKind::ALL`]; at most one strikes.
@@ -89,7 +89,7 @@ pub struct I2cFault<I> {
     bus: I,
     faults: I2cFaults,
     stream: RandomStream,
-    /// The next transaction suffers this, whatever the dice say.
+    /// Fault that the next transaction suffers, whatever the dice say.
     scripted: Option<I2cFaultKind>,
     stuck: u32,
     counts: [u64; 6],
@@ -125,7 +125,7 @@ impl<I> I2cFault<I> {
         self.stuck = 0;
     }
 
-    /// How often each kind struck, in the order of [`I2cFaultKind::ALL`].
+    /// Number of faults of each kind so far, in the order of [`I2cFaultKind::ALL`].
     pub const fn counts(&self) -> [u64; 6] {
         self.counts
     }
@@ -135,7 +135,7 @@ impl<I> I2cFault<I> {
         self.transactions
     }
 
-    /// The bus behind.
+    /// The bus behind the layer.
     pub const fn bus(&mut self) -> &mut I {
         &mut self.bus
     }

@@ -52,7 +52,7 @@ impl BusClock {
     }
 }
 
-/// What the adapter makes of neighbouring operations in the same direction.
+/// Treatment of neighbouring operations in the same direction by the adapter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Adjacent {
     /// One message without a START between, as embedded-hal wants it (I2C_M_NOSTART).
@@ -83,9 +83,9 @@ pub struct Transaction {
     pub start: Nanos,
     /// End of the STOP.
     pub end: Nanos,
-    /// What crossed the bus.
+    /// Messages that crossed the bus.
     pub messages: Vec<I2cMessage>,
-    /// What became of it.
+    /// Outcome of the transaction.
     pub result: Result<(), Error>,
 }
 
@@ -128,25 +128,25 @@ impl I2cSegment {
         }
     }
 
-    /// How the adapter treats neighbouring operations in the same direction.
+    /// Sets the treatment of neighbouring operations in the same direction.
     pub fn with_adjacent(mut self, adjacent: Adjacent) -> Self {
         self.adjacent = adjacent;
         self
     }
 
-    /// With these converters beside the chips.
+    /// Puts these converters beside the chips.
     pub fn with_converters(mut self, converters: Vec<Dac7578>) -> Self {
         self.involved = vec![false; self.chips.len() + converters.len()];
         self.converters = converters;
         self
     }
 
-    /// From now on keeps the last `capacity` transactions for [`I2cSegment::take_log`].
+    /// Keeps the last `capacity` transactions from now on, for [`I2cSegment::take_log`].
     pub const fn keep_log(&mut self, capacity: usize) {
         self.log_capacity = capacity;
     }
 
-    /// When the next transaction starts: never before the last one's end.
+    /// Start of the next transaction, never before the last one's end.
     pub const fn now(&self) -> Nanos {
         self.now
     }
@@ -195,7 +195,7 @@ impl I2cSegment {
         }
     }
 
-    /// Everything on the bus, and whether it took part since the last STOP.
+    /// Chips and converters on the bus, and whether each took part since the last STOP.
     fn targets(&mut self) -> impl Iterator<Item = (&mut dyn Target, &mut bool)> {
         let chips = self.chips.iter_mut().map(|chip| chip as &mut dyn Target);
         let converters = self.converters.iter_mut().map(|c| c as &mut dyn Target);

@@ -1,4 +1,4 @@
-//! What a chip is to its bus.
+//! The interface of a chip to its bus.
 
 use crate::display::dac7578::Dac7578;
 use crate::display::pca9685::Pca9685;
@@ -6,7 +6,7 @@ use crate::time::Nanos;
 
 /// The bus face of a chip. Every call comes at the instant of its ACK.
 pub(super) trait Target {
-    /// Whether it answers to a 7-bit address.
+    /// Tells whether the chip answers to a 7-bit address.
     fn answers(&self, address: u8, read: bool) -> bool;
 
     /// START with an address byte; returns the ACK.

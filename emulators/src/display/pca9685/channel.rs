@@ -8,7 +8,7 @@ use super::clock::PERIOD;
 /// ON_L, ON_H, OFF_L, OFF_H after reset: full off.
 pub(super) const RESET: [u8; 4] = [0, 0, 0, FULL];
 
-/// What four registers ask for: full off > full on > compare.
+/// Pulse that four registers ask for: full off > full on > compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pulse {
     FullOff,
@@ -38,13 +38,13 @@ impl Pulse {
 
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
-    /// What the bus wrote and reads.
+    /// Registers as the bus wrote and reads them.
     pub(super) registers: [u8; 4],
     /// Registers written since the last commit, a bit each.
     pub(super) written: u8,
     /// The registers as of the last STOP or fourth ACK.
     committed: Pulse,
-    /// What the comparator works with.
+    /// Pulse that the comparator works with.
     force: Pulse,
     /// An update waits for the end of the low part of the cycle.
     pending: bool,

@@ -51,14 +51,14 @@ impl Oscillator {
         }
     }
 
-    /// The same oscillator with a linear drift in millihertz a second since the start of the run. It is
-    /// sampled at the start of the counter and at the end of each period.
+    /// Returns the oscillator with a linear drift in millihertz a second since the start of the run. It is sampled at
+    /// the start of the counter and at the end of each period.
     pub const fn with_drift(mut self, millihertz_per_s: i64) -> Self {
         self.drift_millihertz_per_s = millihertz_per_s;
         self
     }
 
-    /// Whether the frequency changes with time.
+    /// Tells whether the frequency changes with time.
     pub(super) const fn drifts(self) -> bool {
         self.drift_millihertz_per_s != 0
     }
@@ -86,7 +86,7 @@ impl Oscillator {
 /// The prescaled 12-bit counter while it runs (data sheet 7.3.5).
 #[derive(Clone, Debug)]
 pub(super) struct Counter {
-    /// Where `phase` was taken.
+    /// Time at which `phase` was taken.
     anchor: Nanos,
     /// Phase at `anchor`, since the counter last started from zero.
     phase: u128,

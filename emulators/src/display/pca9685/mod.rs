@@ -26,7 +26,7 @@ pub use clock::Oscillator;
 use clock::{Counter, PERIOD};
 pub use pins::{Edge, Hazard, Pin, pin};
 
-/// When a register update reaches a running output. Silicon decides; a bench procedure tells for a lot.
+/// Time at which a register update reaches a running output. Silicon decides; a bench procedure tells for a lot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpdateModel {
     /// At the end of the low part of the cycle [7.3.3]: the counter's wrap. With ON > OFF in force the output
@@ -37,14 +37,14 @@ pub enum UpdateModel {
     Immediate,
 }
 
-/// What distinguishes one chip from another.
+/// Properties that distinguish one chip from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Own 7-bit address, 0x40 ..= 0x7F by the six address pins [7.1.1].
     pub address: u8,
     /// The internal oscillator of this chip.
     pub oscillator: Oscillator,
-    /// How updates reach running outputs.
+    /// Time at which updates reach running outputs.
     pub updates: UpdateModel,
 }
 
@@ -125,12 +125,12 @@ impl Pca9685 {
         }
     }
 
-    /// What distinguishes this chip.
+    /// Properties that distinguish this chip.
     pub const fn config(&self) -> &Config {
         &self.config
     }
 
-    /// How far this chip's time has come.
+    /// Time that this chip has reached.
     pub const fn now(&self) -> Nanos {
         self.now
     }
@@ -162,12 +162,12 @@ impl Pca9685 {
         pin.unwrap_or(Pin::HighZ)
     }
 
-    /// All pins now.
+    /// States of all pins now.
     pub const fn pins(&self) -> [Pin; CHANNELS as usize] {
         self.pins
     }
 
-    /// Whether the tick counter runs: not asleep, not paused, not held.
+    /// Tells whether the tick counter runs: not asleep, not paused, not held.
     pub const fn is_running(&self) -> bool {
         self.counter.is_some()
     }
@@ -177,12 +177,12 @@ impl Pca9685 {
         Prescale::new(self.pre)
     }
 
-    /// What was done to this chip that should not have been: the first 256, with times.
+    /// Uses of this chip that the data sheet forbids: the first 256, with times.
     pub fn hazards(&self) -> &[(Nanos, Hazard)] {
         &self.hazards
     }
 
-    /// How many hazards there were in all.
+    /// Number of all hazards so far.
     pub const fn hazard_count(&self) -> u64 {
         self.hazard_count
     }
@@ -296,7 +296,7 @@ impl Pca9685 {
     }
 }
 
-/// What the 12-bit counter shows.
+/// Value of the 12-bit counter at a tick.
 const fn count(tick: u64) -> u16 {
     (tick % PERIOD) as u16
 }

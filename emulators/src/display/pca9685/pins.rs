@@ -1,4 +1,4 @@
-//! What stands on the pins: OE x OUTNE x OUTDRV x INVRT (data sheet 7.4, table 6).
+//! States of the pins: OE x OUTNE x OUTDRV x INVRT (data sheet 7.4, table 6).
 
 use palpate_core::codec::pca9685::mode2;
 use palpate_core::units::Channel;
@@ -20,9 +20,9 @@ pub enum Pin {
 /// A change of an output pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// When.
+    /// Time of the change.
     pub at: Nanos,
-    /// Which output.
+    /// Output that changes.
     pub channel: Channel,
     /// The state from then on.
     pub pin: Pin,
@@ -49,7 +49,7 @@ pub fn pin(on: bool, mode2: u8, oe_high: bool) -> Pin {
     }
 }
 
-/// Whether switching the outputs "off" with OE would drive every wire at once: OUTNE = 01, totem pole.
+/// Tells whether switching the outputs "off" with OE would drive every wire at once: OUTNE = 01, totem pole.
 pub(super) fn oe_drives_all(mode2: u8) -> bool {
     mode2 & mode2::OUTNE == 1 && mode2 & mode2::OUTDRV != 0
 }

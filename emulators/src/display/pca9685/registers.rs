@@ -8,7 +8,7 @@ use palpate_core::codec::pca9685::{FULL, mode1, mode2};
 use super::{Hazard, Pca9685, count};
 use crate::time::Nanos;
 
-/// What the current message is to this chip.
+/// State of the current message for this chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Message {
     /// Not for this chip, or refused.
@@ -35,8 +35,8 @@ pub(super) struct Bus {
 }
 
 impl Pca9685 {
-    /// Whether the chip answers to the 7-bit `address` now: its own, all-call, or an enabled sub-address
-    /// [7.1]; the general call for writing only.
+    /// Tells whether the chip answers to the 7-bit `address` now: its own, all-call, or an enabled sub-address [7.1];
+    /// the general call for writing only.
     pub fn answers(&self, address: u8, read: bool) -> bool {
         if !self.powered {
             return false;
@@ -107,7 +107,7 @@ impl Pca9685 {
         self.settle();
     }
 
-    /// What the register at `address` reads; 0 where there is none. Reading changes nothing.
+    /// Value that the register at `address` reads; 0 where there is none. Reading changes nothing.
     pub fn register(&self, address: u8) -> u8 {
         match address {
             map::MODE1 => self.mode1 | if self.restart { mode1::RESTART } else { 0 },
@@ -189,7 +189,7 @@ impl Pca9685 {
     }
 }
 
-/// Whether a control byte names a register: 46..F9 are not acknowledged [7.3, table 4].
+/// Tells whether a control byte names a register: 46..F9 are not acknowledged [7.3, table 4].
 const fn is_register(byte: u8) -> bool {
     byte <= map::LED15_OFF_H || byte >= map::ALL_LED_ON_L
 }

@@ -12,7 +12,7 @@ const SHORTED_MA: i32 = -1500;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bridge {
     milliamps: i32,
-    /// It lets go by itself then.
+    /// Time at which the bridge lets go by itself.
     until: Instant,
     pub(super) shorted: bool,
 }
@@ -28,7 +28,7 @@ impl Bridge {
         self.milliamps = 0;
     }
 
-    /// What flows at an instant, mA.
+    /// Current at an instant, mA.
     pub(super) fn milliamps(&self, at: Nanos) -> i32 {
         match self.shorted {
             true => SHORTED_MA,

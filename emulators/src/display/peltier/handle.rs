@@ -39,7 +39,7 @@ impl Actuators<GuardedCurrent> for PeltierHandle {
 }
 
 impl Module for PeltierHandle {
-    /// As old by the unit's clock as it is by the module's.
+    /// The newest reading, as old by the unit's clock as it is by the module's.
     fn reading(&mut self, now: Instant) -> Reading {
         self.with(|module| {
             let reading = module.reading();

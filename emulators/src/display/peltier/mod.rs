@@ -22,21 +22,21 @@ use crate::time::Nanos;
 use bridge::Bridge;
 use sensor::Converter;
 
-/// A step, ns.
+/// Step of the integration.
 const STEP: Nanos = Nanos::from_micros(1000);
-/// The same in s.
+/// Step of the integration, s.
 const STEP_S: f64 = 1e-3;
 /// The body behind the skin, and a face before anything flows, degrees C.
 const BODY_C: f64 = 33.0;
 
-/// What the module is at an instant.
+/// State of the module at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModuleState {
     /// The face on the skin, degrees C.
     pub face_c: f64,
     /// The sink, degrees C.
     pub sink_c: f64,
-    /// Through the module, mA; positive cools the face.
+    /// Current through the module, mA; positive cools the face.
     pub milliamps: i32,
 }
 
@@ -148,7 +148,7 @@ impl Peltier {
         self.course.push_back(face_c);
     }
 
-    /// All nodes a step later.
+    /// Temperatures of all nodes a step later.
     fn after(&self, amps: f64) -> Nodes {
         let at = |slope: &Nodes, s: f64| -> Nodes {
             core::array::from_fn(|i| self.nodes[i] + slope[i] * s)
@@ -163,7 +163,7 @@ impl Peltier {
         })
     }
 
-    /// How fast each node changes, K/s.
+    /// Rate of each node's temperature, K/s.
     fn rate(&self, &[face_c, sink_c, face_read_c, sink_read_c]: &Nodes, amps: f64) -> Nodes {
         let p = &self.parameters;
         let pumped_w = pumped_w(p, face_c, sink_c, amps);
@@ -183,13 +183,13 @@ impl Peltier {
         self.converter.reading()
     }
 
-    /// What the bridge's lines say, without a proof of a guard: this current, mA, and after so long none. For firmware,
-    /// whose guard stands in front of its pins.
+    /// Takes what the bridge's lines say, without a proof of a guard: this current, mA, for this length, and then none.
+    /// It is for firmware, whose guard stands in front of its pins.
     pub fn receive(&mut self, milliamps: i32, length: Duration) {
         self.bridge.set(self.now, milliamps, length);
     }
 
-    /// What it is now.
+    /// State of the module now.
     pub fn state(&self) -> ModuleState {
         let milliamps = match self.is_cut {
             true => 0,
@@ -207,7 +207,7 @@ impl Peltier {
         &self.peaks
     }
 
-    /// Whether the thermostat has cut the bridge.
+    /// Tells whether the thermostat has cut the bridge.
     pub const fn is_cut(&self) -> bool {
         self.is_cut
     }
@@ -245,7 +245,7 @@ const fn instant(at: Nanos) -> Instant {
     Instant::from_micros(at.0 / 1000)
 }
 
-/// Between two conversions of the thermistors.
+/// Time between two conversions of the thermistors.
 const CONVERSION: Duration = Duration::from_millis(5);
 
 #[cfg(test)]

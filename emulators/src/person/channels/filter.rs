@@ -18,15 +18,15 @@ const ROOT: f64 = 0.866_025_403_784_438_6;
 
 /// States of both filters: four of P, whose output is the last, then two of N, whose output is the first.
 pub const STATES: usize = 6;
-/// Where the output of P stands.
+/// Index of the output of P among the states.
 pub const OUT_P: usize = 3;
-/// Where the output of N stands.
+/// Index of the output of N among the states.
 pub const OUT_N: usize = 4;
 
-/// What both filters hold, um.
+/// States of both filters, um.
 pub type State = [f64; STATES];
 
-/// How the states change at once where the tissue is lifted at once by 1 um.
+/// Jump of the states where the tissue is lifted at once by 1 um.
 pub const LIFT: State = [0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// States of the forced part under a displacement whose rate is exp(-lambda t), at t = 0, s.
@@ -46,7 +46,7 @@ pub fn forced(lambda: f64) -> State {
     ]
 }
 
-/// What free motion over a time does to the states.
+/// Effect of free motion over a time on the states.
 #[derive(Clone, Copy, Debug)]
 pub struct Free {
     /// The states of a stage of P from those before.
@@ -58,7 +58,7 @@ pub struct Free {
 }
 
 impl Free {
-    /// Over `t` seconds.
+    /// Free motion over `t` seconds.
     pub fn over(t: f64) -> Self {
         let (stage, turn) = ring(P * t);
         // The two stages have the same poles: 1/(s^2 + s + 1)^2 and s times it.

@@ -1,4 +1,4 @@
-//! What a person feels of moving wires: two channels of the fingertip, how far over threshold each is, and where.
+//! A person's perception of moving wires: two channels of the fingertip, how far over threshold each is, and where.
 //!
 //! `docs/felt.md` has the law and where every number comes from. In short: the displacement u under each wire goes through
 //! the filters of both channels (`filter.rs`). The Pacinian one adds up energy with a leak of 0.2 s, over all wires:
@@ -22,13 +22,13 @@ use piece::{LEAK_S, Tables};
 pub use train::Kick;
 use wire::{Met, Shared, WireFilter};
 
-/// Largest energy is looked for at such times, s.
+/// Spacing of the times at which the largest energy is looked for, s.
 const LOOK_S: f64 = 0.25e-3;
 /// Looks whose bounds are held against what is known, together.
 const CELL: usize = 8;
-/// What lies between nodes may be so many times a bound that is taken from them.
+/// Factor by which values between nodes may exceed a bound that is taken from the nodes.
 const NEARER: f64 = 1.0 + 1e-6;
-/// What lasts at least this long is a vibration, s; less is a tap.
+/// Shortest vibration, s; a shorter stimulus is a tap.
 const VIBRATION_S: f64 = 0.03;
 /// The least level there is, dB: silence.
 const SILENCE_DB: f64 = -200.0;
@@ -37,7 +37,7 @@ const COLD: (f64, f64) = (30.0, 0.8);
 /// Hotter tissue feels less too, degrees C, by so much, dB.
 const HOT: (f64, f64) = (44.0, 7.0);
 
-/// Which centroid is felt. The literature disagrees; every score is given for both.
+/// Centroid that is felt. The literature disagrees; every score is given for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Centroid {
     /// Weights are energies (Israr and Poupyrev).
@@ -47,7 +47,7 @@ pub enum Centroid {
 }
 
 impl Centroid {
-    /// Its name in reports.
+    /// Name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Energy => "energy centroid",
@@ -67,7 +67,7 @@ pub struct Person {
     pub growth: [f64; 2],
 }
 
-/// How far both channels are over their thresholds, dB.
+/// Levels of both channels over their thresholds, dB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
     /// The Pacinian channel: vibration.
@@ -77,7 +77,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Nothing moves.
+    /// Levels while nothing moves.
     pub const SILENT: Self = Self {
         vibration_db: SILENCE_DB,
         flutter_db: SILENCE_DB,
@@ -88,13 +88,13 @@ impl Levels {
         self.vibration_db.max(self.flutter_db)
     }
 
-    /// Whether anything is felt: either channel is at or over its threshold.
+    /// Tells whether anything is felt: either channel is at or over its threshold.
     pub const fn felt(&self) -> bool {
         self.db() >= 0.0
     }
 
-    /// How strong it feels, 1 at threshold: the stronger channel and half the weaker (Hollins and Roy 1996), each grown by
-    /// its power. 0 where nothing is felt; a channel below threshold adds nothing.
+    /// Felt intensity, 1 at threshold: the stronger channel and half the weaker (Hollins and Roy 1996), each grown by
+    /// its power. It is 0 where nothing is felt; a channel below threshold adds nothing.
     pub fn intensity(&self, growth: [f64; 2]) -> f64 {
         let grown = |db: f64, exponent: f64| match db >= 0.0 {
             true => libm::pow(10.0, exponent * db / 20.0),
@@ -108,23 +108,23 @@ impl Levels {
     }
 }
 
-/// What was met since an onset, whether it is felt or not.
+/// Stimulus at the finger since an onset, whether it is felt or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
-    /// How far over threshold.
+    /// Levels over the thresholds.
     pub levels: Levels,
-    /// Where by the energy centroid, mm, in the display's plane.
+    /// Place by the energy centroid, mm, in the display's plane.
     pub energy_mm: (f64, f64),
-    /// Where by the amplitude centroid.
+    /// Place by the amplitude centroid, mm, in the display's plane.
     pub amplitude_mm: (f64, f64),
     /// Filtered energy of all wires without a leak: the integral of the squared Pacinian output, um2 s.
     pub energy: f64,
-    /// From the first current to the last, s.
+    /// Time from the first current to the last, s.
     pub seconds: f64,
 }
 
 impl Felt {
-    /// Where by one of the two centroids, mm.
+    /// Place by one of the two centroids, mm.
     pub const fn place(&self, centroid: Centroid) -> (f64, f64) {
         match centroid {
             Centroid::Energy => self.energy_mm,
@@ -132,7 +132,7 @@ impl Felt {
         }
     }
 
-    /// Whether it feels like a tap: shorter than 30 ms.
+    /// Tells whether the stimulus feels like a tap: shorter than 30 ms.
     pub const fn tap(&self) -> bool {
         self.seconds < VIBRATION_S
     }
@@ -190,7 +190,8 @@ impl Perceiver {
         &self.person
     }
 
-    /// Lets a stretch of a wire pass; a wire that is not there is left alone. What is no number does not move the tissue.
+    /// Lets a stretch of a wire pass; a wire that is not there is left
+    /// alone. A stretch that is not finite does not move the tissue.
     pub fn pass(&mut self, wire: usize, stretch: &Stretch) {
         let Some(filter) = self.wires.get_mut(wire) else {
             return;
@@ -242,7 +243,8 @@ impl Perceiver {
         (self.energy + inflow) * libm::exp(-t / LEAK_S)
     }
 
-    /// From when on, before `end`, the leaky energy only falls: it is larger than what would hold it, and that falls itself.
+    /// Time before `end` from which the leaky energy only falls: it is
+    /// larger than the inflow that would hold it, and that falls itself.
     fn falls_from(&self, end: f64) -> Option<f64> {
         let from = self.wires.iter().map(WireFilter::fades_from);
         let from = from.fold(0.0, f64::max);
@@ -301,7 +303,7 @@ impl Perceiver {
         most
     }
 
-    /// What was met since the last onset, with tissue at `skin_c` degrees C, summed up to now. `None` where no wire has
+    /// Stimulus since the last onset, with tissue at `skin_c` degrees C, summed up to now. `None` where no wire has
     /// moved since then.
     pub fn felt(&self, skin_c: f64) -> Option<Felt> {
         let (mut energy, mut amplitude) = (Mean::default(), Mean::default());

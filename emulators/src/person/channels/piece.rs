@@ -23,7 +23,7 @@ const MOST: usize = 1024;
 /// Time constant of the Pacinian channel's energy, s (Zwislocki).
 pub const LEAK_S: f64 = 0.2;
 
-/// By how much the leaky energy falls over a time, the other way round, 1.
+/// Factor exp(t / tau) by which the leaky energy falls over a time.
 pub fn swollen(seconds: f64) -> f64 {
     libm::exp(seconds / LEAK_S)
 }
@@ -51,12 +51,12 @@ impl Regime {
     }
 }
 
-/// What a piece of some length does, for the modes of one regime: everything but the amplitudes.
+/// Effect of a piece of some length, for the modes of one regime: everything but the amplitudes.
 #[derive(Clone, Debug)]
 struct Table {
     /// exp(-rate t) at the end.
     decay: [f64; MODES],
-    /// The same at the nodes, by mode.
+    /// exp(-rate t) at the nodes, by mode.
     nodes: [[f64; gauss::NODES]; MODES],
     /// Free outputs at the nodes, by state.
     rings: [[f64; BOTH]; STATES],
@@ -182,7 +182,7 @@ pub struct Outputs {
     pub p: [f64; gauss::NODES],
     /// The channel NP I.
     pub n: [f64; gauss::NODES],
-    /// What flows into the leaky energy at the nodes, as if it had not leaked since the piece's start, um2/s.
+    /// Flow into the leaky energy at the nodes, as if the energy had not leaked since the piece's start, um2/s.
     pub flow: [f64; gauss::NODES],
 }
 
@@ -236,12 +236,12 @@ fn peak(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES]) -> f64 {
     }
 }
 
-/// What recurring pieces do, by regime. What is kept changes no bit: it follows from its key.
+/// Tables of recurring pieces, by regime. A table follows from its key, so keeping it changes no bit.
 #[derive(Clone, Debug, Default)]
 pub struct Tables {
     regimes: BTreeMap<[u64; 2], Regime>,
     count: usize,
-    /// Of the last length that was met for the first time.
+    /// Table of the last length that was met for the first time.
     once: Option<Box<Table>>,
 }
 

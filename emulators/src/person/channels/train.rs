@@ -9,9 +9,9 @@ const SINK_S: f64 = 0.025;
 /// One pulse as the tissue meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kick {
-    /// When, seconds since the stimulus began.
+    /// Time of the pulse, seconds since the stimulus began.
     pub at_s: f64,
-    /// By how much the tissue is lifted, um.
+    /// Lift of the tissue, um.
     pub um: f64,
 }
 

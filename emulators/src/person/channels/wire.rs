@@ -1,4 +1,4 @@
-//! What one wire gives to both channels.
+//! The contribution of one wire to both channels.
 
 use super::filter::{LIFT, STATES, State};
 use super::gauss::{self, Gauss};
@@ -15,7 +15,7 @@ const PIECE_S: f64 = 5.25e-3;
 /// Terms that differ by less than this part go on: what they make ring counts for nothing.
 const SAME: f64 = 1e-6;
 
-/// What all wires share.
+/// Parts that all wires share.
 #[derive(Clone, Debug)]
 pub struct Shared {
     pub rule: Gauss,
@@ -26,19 +26,19 @@ pub struct Shared {
 /// A piece that has passed.
 #[derive(Clone, Copy, Debug)]
 pub struct Passed {
-    /// When it began, s since the last [`WireFilter::settle`].
+    /// Start of the piece, s since the last [`WireFilter::settle`].
     pub from_s: f64,
     pub seconds: f64,
     /// Energy that had flowed in before it, as if nothing had leaked since then, um2.
     pub before: f64,
-    /// The same in the piece, and its flow at the nodes.
+    /// Energy that flowed in during the piece, as if nothing had leaked since then, um2, and its flow at the nodes.
     pub energy: f64,
     flow: [f64; gauss::NODES],
-    /// Where the Pacinian output only falls in it: its square at the start, um2.
+    /// Square of the Pacinian output at the start, um2, where that output only falls in the piece.
     fades: Option<f64>,
 }
 
-/// Whether all of them are. None is left out: so they are looked at side by side.
+/// Tells whether all values are finite. It skips none, so that they are looked at side by side.
 fn finite(values: &[f64]) -> bool {
     values.iter().fold(true, |all, v| all & v.is_finite())
 }
@@ -50,18 +50,18 @@ pub struct WireFilter {
     /// Regime and terms with which the last stretch ended, and for how long nothing but decay has gone on, s.
     last: Option<(ModeKey, [f64; MODES])>,
     quiet_s: f64,
-    /// Since the last [`WireFilter::settle`].
+    /// Pieces since the last [`WireFilter::settle`].
     pub passed: Vec<Passed>,
     /// Time computed up to since then, s, exp(now / tau) - 1, and energy that flowed in, um2.
     pub now_s: f64,
     swollen: f64,
     pub energy: f64,
-    /// How far lifted tissue still has to sink, um.
+    /// Way that lifted tissue still has to sink, um.
     pub lifted_um: f64,
     pub met: Met,
 }
 
-/// What a wire gave since the last onset.
+/// Outputs of a wire since the last onset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Met {
     /// Integral of the squared Pacinian output, without a leak, um2 s.
@@ -83,7 +83,7 @@ impl WireFilter {
         self.quiet_s = 0.0;
     }
 
-    /// Lets a stretch pass. What is not finite does not move the tissue.
+    /// Lets a stretch pass. A stretch that is not finite does not move the tissue.
     pub fn pass(&mut self, shared: &mut Shared, stretch: &Stretch) {
         if !(stretch.seconds.is_finite() && stretch.seconds > 0.0) {
             return;
@@ -109,7 +109,7 @@ impl WireFilter {
         self.last = Some((stretch.regime, terms));
     }
 
-    /// Whether a stretch only goes on with the decay of the last one.
+    /// Tells whether a stretch only goes on with the decay of the last one.
     fn goes_on(&self, regime: ModeKey, terms: &[f64; MODES]) -> bool {
         self.last.is_some_and(|(of, expected)| {
             let all: f64 = expected.iter().map(|term| term.abs()).sum();
@@ -175,7 +175,7 @@ impl WireFilter {
         raise(rule, *vectors, &outputs.n, &mut self.met.peak_n);
     }
 
-    /// Whether nothing moves, and nothing rings.
+    /// Tells whether nothing moves, and nothing rings.
     fn rests(&self, terms: &[f64; MODES]) -> bool {
         let still = |values: &[f64]| values.iter().fold(true, |all, v| all & (*v == 0.0));
         still(&self.x) && still(terms)
@@ -233,14 +233,14 @@ impl WireFilter {
         }
     }
 
-    /// From when on its output only falls, s.
+    /// Time from which the wire's Pacinian output only falls, s.
     pub fn fades_from(&self) -> f64 {
         let fading = self.passed.iter().rev().take_while(|p| p.fades.is_some());
         fading.last().map_or(self.now_s, |p| p.from_s)
     }
 
-    /// From a time on from which it only falls: what the output's square then is at most, um2, and what had flowed in at
-    /// least.
+    /// Bounds at a time from which the output only falls: most of the output's square, um2, and least of the energy
+    /// that had flowed in, um2.
     pub fn fading_at(&self, t: f64) -> (f64, f64) {
         let begun = self.passed.iter().rev().find(|p| p.from_s <= t);
         begun.map_or((0.0, 0.0), |p| (p.fades.unwrap_or(f64::INFINITY), p.before))

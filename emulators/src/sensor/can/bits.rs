@@ -1,4 +1,4 @@
-//! What a frame is on the wire: its bits, its checksum, its stuffing (ISO 11898-1, classic base format).
+//! A frame on the wire: its bits, its checksum, its stuffing (ISO 11898-1, classic base format).
 
 use palpate_core::codec::can::CanFrame;
 

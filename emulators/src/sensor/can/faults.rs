@@ -19,7 +19,7 @@ pub struct Rates {
     pub duplicated: f64,
     /// Received late by [`Self::late_by`], after newer frames.
     pub late: f64,
-    /// How late.
+    /// Delay of late frames.
     pub late_by: Duration,
     /// One bit of the data turned over (a fault behind the controller: the CRC cannot see it).
     pub corrupted: f64,
@@ -27,10 +27,10 @@ pub struct Rates {
     pub short: f64,
 }
 
-/// What happens to the frames of a rule.
+/// Effect on the frames of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Effect {
-    /// They never arrive: a dead taxel, SDA line (mask 0x700) or board (mask 0x00F).
+    /// The frames never arrive: a dead taxel, SDA line (mask 0x700) or board (mask 0x00F).
     Silent,
     /// The data of the first one, for ever.
     Frozen,
@@ -45,20 +45,20 @@ pub struct Rule {
     pub bus: Option<u8>,
     /// Identifier.
     pub id: u16,
-    /// Its bits that count.
+    /// Bits of the identifier that count.
     pub mask: u16,
-    /// What happens.
+    /// Effect on the frames.
     pub effect: Effect,
 }
 
 impl Rule {
-    /// Whether a frame is one of the rule's.
+    /// Tells whether a frame is one of the rule's.
     pub fn hits(&self, bus: u8, id: u16) -> bool {
         self.bus.is_none_or(|mine| mine == bus) && id & self.mask == self.id & self.mask
     }
 }
 
-/// How many frames each fault hit.
+/// Number of frames that each fault hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Lost at random.
@@ -113,7 +113,7 @@ impl<B: CanBus> Faulty<B> {
         self.rates = rates;
     }
 
-    /// Sets the rules from now on; what no rule freezes any more thaws.
+    /// Sets the rules from now on; a frame that no rule freezes any more thaws.
     pub fn set_rules(&mut self, rules: Vec<Rule>) {
         self.frozen.retain(|&(bus, id), _| {
             let freezes = |r: &Rule| r.effect == Effect::Frozen && r.hits(bus, id);
@@ -122,7 +122,7 @@ impl<B: CanBus> Faulty<B> {
         self.rules = rules;
     }
 
-    /// What has been done to the frames so far.
+    /// Number of frames that each fault hit so far.
     pub const fn counts(&self) -> Counts {
         self.counts
     }

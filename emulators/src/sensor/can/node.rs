@@ -10,7 +10,7 @@ use crate::time::Nanos;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub(super) usize);
 
-/// Which of its waiting frames a controller offers to arbitration.
+/// Order in which a controller offers its waiting frames to arbitration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// The oldest (a queue, as SocketCAN has).
@@ -20,7 +20,7 @@ pub enum Order {
     Priority,
 }
 
-/// Which frames a node takes in.
+/// Frames that a node takes in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// Every frame.
@@ -40,16 +40,16 @@ impl Filter {
     }
 }
 
-/// How a node is built.
+/// Settings of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeConfig {
     /// Order in which waiting frames go.
     pub order: Order,
     /// Frames that may wait for transmission.
     pub transmit_limit: usize,
-    /// Frames that may wait to be read; what comes then is lost and counted.
+    /// Frames that may wait to be read; a frame that comes beyond these is lost and counted.
     pub receive_limit: usize,
-    /// What it listens to.
+    /// Filter of received frames.
     pub filter: Filter,
     /// Time from bus-off to the restart; `None`: it stays off until [`super::CanSegment::restart`]
     /// (SocketCAN's `restart-ms 0`).

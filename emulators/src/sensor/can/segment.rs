@@ -16,7 +16,7 @@ use crate::time::Nanos;
 
 /// Bits of an error frame: active flag, the others' echo of it, delimiter (an upper bound of 20).
 const ERROR_FRAME: u32 = 20;
-/// The same from an error-passive node: no other node echoes recessive bits.
+/// Bits of an error frame from an error-passive node: no other node echoes its recessive bits.
 const PASSIVE_ERROR_FRAME: u32 = 14;
 /// Bits an error-passive node waits after its own frame beyond the intermission.
 const SUSPEND: u32 = 8;
@@ -38,7 +38,7 @@ pub enum ErrorClass {
     Ack,
 }
 
-/// What happened on a segment since its start.
+/// Traffic and errors on a segment since its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Frames completed.
@@ -115,7 +115,7 @@ impl CanSegment {
         self.now
     }
 
-    /// What happened so far.
+    /// Traffic and errors so far.
     pub const fn statistics(&self) -> &Statistics {
         &self.statistics
     }
@@ -131,7 +131,7 @@ impl CanSegment {
         self.put(node, frame, false)
     }
 
-    /// Like [`Self::send`], but takes the place of a waiting frame with the same identifier.
+    /// Sends a frame as [`Self::send`] does, in the place of a waiting frame with the same identifier.
     pub fn replace(&mut self, node: NodeId, frame: &CanFrame) -> Result<(), SendError> {
         self.put(node, frame, true)
     }
@@ -152,7 +152,7 @@ impl CanSegment {
         self.nodes.get_mut(n)?.receive.pop_front()
     }
 
-    /// When the frame that [`Self::receive`] would return was received.
+    /// Reception of the frame that [`Self::receive`] would return.
     pub(crate) fn received_at(&self, NodeId(n): NodeId) -> Option<Nanos> {
         Some(self.nodes.get(n)?.receive.front()?.0)
     }
@@ -243,7 +243,7 @@ impl CanSegment {
         }
     }
 
-    /// When the next start of frame may be, from `free_at` on.
+    /// Finds the time of the next start of frame, `free_at` at the earliest.
     pub(super) fn recontend(&mut self) {
         let from = self.free_at;
         if self.held_until <= from {

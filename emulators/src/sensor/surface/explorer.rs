@@ -19,12 +19,12 @@ const PAUSE: Nanos = Nanos(500_000_000);
 /// One stroke's readings: a row for each sample, a reading for each taxel, in the order of the layout.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recording {
-    /// Which stroke over its texture.
+    /// Number of the stroke over its texture.
     pub number: u32,
     /// The readings.
     pub rows: Vec<Vec<Reading>>,
-    /// What an accelerometer on the finger told, counts along the module's axes, [`ACCELEROMETER_HZ`] of them per second;
-    /// nothing where there is none.
+    /// Readings of an accelerometer on the finger, counts along the module's axes, [`ACCELEROMETER_HZ`] of them per
+    /// second; empty where there is none.
     pub acceleration: Vec<[i16; 3]>,
 }
 
@@ -40,7 +40,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// With one taxel that answers its rest value whatever happens, or none.
+    /// An explorer whose module has one `dead` taxel, which answers its rest value whatever happens, or none.
     pub fn new(habits: Habits, dead: Option<usize>, seed: u64) -> Self {
         let config = ModuleConfig {
             seed,
@@ -57,15 +57,15 @@ impl Explorer {
         }
     }
 
-    /// The same with the taxels read at another rate, 1 to 1000 Hz, as no CAN board of the module does: what its silicone
-    /// lets through and 100 Hz do not.
+    /// Returns the explorer with the taxels read at another rate, 1 to 1000 Hz, as no CAN board of the module does. It
+    /// shows what the silicone lets through and 100 Hz do not.
     #[must_use]
     pub fn with_rate(self, hz: u32) -> Self {
         let period = Nanos(1_000_000_000 / u64::from(hz.clamp(1, 1000)));
         Self { period, ..self }
     }
 
-    /// The same with an accelerometer beside the taxels.
+    /// Returns the explorer with an accelerometer beside the taxels.
     #[must_use]
     pub fn with_accelerometer(self) -> Self {
         Self {

@@ -21,7 +21,7 @@ pub use rub::Rub;
 pub use stroke::{Habits, SurfaceStroke, SurfaceStrokes};
 pub use vibration::{ACCELEROMETER_HZ, milli_g};
 
-/// What a surface is like, as far as a skin module can tell.
+/// Properties of a surface, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceTexture {
     /// Names its random streams.
@@ -55,11 +55,11 @@ impl SurfaceTexture {
 
 /// Smallest and largest stiffness of materials that are drawn, N/mm; all such ranges are assumed.
 pub const STIFFNESS_N_PER_MM: (f64, f64) = (1.0, 100.0);
-/// The same of the relief, mm.
+/// Smallest and largest relief of materials that are drawn, mm.
 pub const RELIEF_MM: (f64, f64) = (0.005, 0.35);
-/// The same of its wavelength, mm.
+/// Smallest and largest wavelength of their relief, mm.
 pub const WAVELENGTH_MM: (f64, f64) = (0.3, 5.0);
-/// The same of friction.
+/// Smallest and largest coefficient of their friction.
 pub const FRICTION: (f64, f64) = (0.3, 1.5);
 
 /// Stiffness of a module's silicone over its whole face, N/mm (assumed).

@@ -15,7 +15,7 @@ use super::vibration::Riding;
 use crate::sensor::{Press, Touches, grid};
 use crate::time::Nanos;
 
-/// How a person strokes; every stroke draws around these. All assumed.
+/// Habits of a person's strokes; every stroke draws around these. All are assumed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Habits {
     /// Normal force, N.
@@ -87,7 +87,7 @@ fn gripped(slip_at: f64, travel: f64) -> f64 {
     cycle - libm::floor(cycle)
 }
 
-/// What a slip lets go of a coefficient of friction.
+/// Part of a coefficient of friction that a slip lets go.
 fn let_go(friction: f64) -> f64 {
     SLIP * (friction - 0.5).max(0.0)
 }
@@ -195,7 +195,7 @@ impl SurfaceStroke {
         }
     }
 
-    /// Its length, s.
+    /// Length of the stroke, s.
     pub fn seconds(&self) -> f64 {
         self.seconds
     }

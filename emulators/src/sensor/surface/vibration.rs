@@ -1,4 +1,4 @@
-//! A fast accelerometer on the finger that strokes: what the taxels' rate and silicone keep from them.
+//! A fast accelerometer on the finger that strokes: it sees what the taxels' rate and silicone keep from them.
 //!
 //! The module is a mass that rides on the spring of silicone and surface. Every ripple of the relief shakes it along and
 //! across that spring, an impact and a slip let it ring: decaying sines, as contact transients are modelled (Okamura,
@@ -13,9 +13,9 @@ pub const ACCELEROMETER_HZ: u32 = 3000;
 const COUNT_MG: f64 = 3.9;
 const NOISE_COUNTS: f64 = 4.1;
 const RANGE_COUNTS: f64 = 4095.0;
-/// What moves with the face of the module: itself and the tip of a finger, kg (assumed).
+/// Mass that moves with the face of the module: the face itself and the tip of a finger, kg (assumed).
 const MASS_KG: f64 = 0.02;
-/// Its damping, a share of what would keep it from ringing (assumed).
+/// Damping of that mass, as a share of critical damping (assumed).
 const DAMPING: f64 = 0.25;
 /// Milli-g per m/s2.
 const MG: f64 = 1000.0 / 9.806_65;
@@ -23,12 +23,12 @@ const MG: f64 = 1000.0 / 9.806_65;
 /// The mass on its spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Riding {
-    /// Its own angular frequency without damping, rad/s.
+    /// Angular frequency of the undamped mass, rad/s.
     own: f64,
 }
 
 impl Riding {
-    /// On a spring of so many N/mm.
+    /// The mass on a spring of this stiffness.
     pub(super) fn on(stiffness_n_per_mm: f64) -> Self {
         let own = libm::sqrt(1000.0 * stiffness_n_per_mm.max(1e-3) / MASS_KG);
         Self { own }
@@ -44,12 +44,12 @@ impl Riding {
         -newtons / MASS_KG * gain * libm::sin(angle - late)
     }
 
-    /// How it rings, m/s2, so many seconds after it met its spring at a speed in mm/s.
+    /// Acceleration, m/s2, of the ringing mass `since` seconds after it met its spring at `mm_s` mm/s.
     pub(super) fn met(&self, mm_s: f64, since: f64) -> f64 {
         self.rings(since) * 1e-3 * mm_s * self.own
     }
 
-    /// How it rings, m/s2, so many seconds after a force of `newtons` let go.
+    /// Acceleration, m/s2, of the ringing mass `since` seconds after a force of `newtons` let go.
     pub(super) fn let_go(&self, newtons: f64, since: f64) -> f64 {
         self.rings(since) * newtons / MASS_KG
     }
@@ -63,7 +63,7 @@ impl Riding {
     }
 }
 
-/// What the part tells, counts of 3.9 mg, of an acceleration in m/s2.
+/// Output of the accelerometer, counts of 3.9 mg, for an acceleration in m/s2.
 pub(super) fn told(acceleration: [f64; 3], noise: &mut RandomStream) -> [i16; 3] {
     acceleration.map(|a| {
         let counts = a * MG / COUNT_MG + NOISE_COUNTS * noise.normal();

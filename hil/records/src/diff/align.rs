@@ -1,4 +1,4 @@
-//! Which burst of one run is which burst of another: an alignment of two sequences by time.
+//! Alignment of two sequences of bursts by time: it pairs each burst of one run with the same burst of another.
 
 use crate::bursts::Burst;
 
@@ -8,15 +8,15 @@ const CELLS: usize = 1 << 22;
 /// Two sequences side by side, as indices into each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Alignment {
-    /// The same burst in both.
+    /// Bursts that are in both.
     pub pairs: Vec<(usize, usize)>,
-    /// Only in the first.
+    /// Bursts only in the first.
     pub gone: Vec<usize>,
-    /// Only in the second.
+    /// Bursts only in the second.
     pub new: Vec<usize>,
 }
 
-/// How far two bursts are from being the same: both edges, microseconds; a tick of width counts as one.
+/// Distance of two bursts: the moves of both edges, microseconds; a tick of width counts as one.
 fn distance(a: &Burst, b: &Burst) -> u64 {
     let edges = a.from_us.abs_diff(b.from_us);
     let edges = edges.saturating_add(a.to_us.abs_diff(b.to_us));
@@ -62,7 +62,7 @@ enum Step {
     New,
 }
 
-/// The exact one: a table of all pairs.
+/// Exact alignment, by a table of all pairs.
 fn table(a: &[Burst], b: &[Burst], gap: u64) -> Alignment {
     let width = b.len() + 1;
     let mut steps = vec![Step::New; (a.len() + 1) * width];
@@ -112,7 +112,7 @@ fn table(a: &[Burst], b: &[Burst], gap: u64) -> Alignment {
     found
 }
 
-/// The long one: from left to right, what is near is a pair, else the earlier one stands alone.
+/// Alignment of long sequences, from left to right: bursts that are near are a pair, else the earlier one stands alone.
 fn sweep(a: &[Burst], b: &[Burst], gap: u64) -> Alignment {
     let mut found = Alignment::default();
     let (mut i, mut j) = (0, 0);

@@ -50,12 +50,12 @@ fn parted(line: &str) -> (&str, &str) {
     (label.trim(), marks)
 }
 
-/// Whether a line with this label has a character per quantum.
+/// Tells whether a line with this label has a character per quantum.
 fn is_row(label: &str) -> bool {
     ["events", "contacts", "taxels", "x", "y"].contains(&label) || wire(label).is_some()
 }
 
-/// What the headings, rulers and labels of two charts differ by: the first of them.
+/// First difference of the headings, rulers and labels of two charts.
 fn scale(a: &[String], b: &[String]) -> Option<String> {
     let is_row = |x: &str, y: &str| is_row(parted(x).0) && parted(x).0 == parted(y).0;
     let mut lines = a.iter().zip(b);
@@ -69,7 +69,7 @@ fn scale(a: &[String], b: &[String]) -> Option<String> {
     }
 }
 
-/// What the rows of two charts of one scale differ by, but for those that are explained.
+/// Differences of the rows of two charts of one scale, but for those that are explained.
 fn marks(a: &[String], b: &[String], explained: impl Fn(&str) -> bool) -> Option<String> {
     let mut pairs = a.iter().zip(b);
     if a.len() != b.len() || pairs.any(|(x, y)| parted(x).0 != parted(y).0) {
@@ -111,7 +111,7 @@ fn unsigned(text: &str) -> Option<u64> {
     u64::try_from(thousandths(text)?).ok()
 }
 
-/// What two maps of the pad differ by.
+/// Differences of two maps of the pad.
 fn pad(a: &[String], b: &[String]) -> Option<String> {
     let line = |pad: &[String], index: usize| pad.get(index).cloned().unwrap_or_default();
     let mut found = Marks::default();

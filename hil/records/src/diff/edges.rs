@@ -12,7 +12,7 @@ use palpate_core::schedule::Reason;
 /// Most wires told one by one for one thing.
 const EACH: usize = 3;
 
-/// Which edges of a burst moved.
+/// Edges of a burst that moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Move {
     Rise,
@@ -43,7 +43,7 @@ fn lateness(by: i64) -> String {
     format!("{} {later}", ms(by.unsigned_abs()))
 }
 
-/// Where something of one kind was found: how often on each output, and when first.
+/// Findings of one kind: their number on each output, and the time of the first.
 #[derive(Default)]
 struct Tally(BTreeMap<DrivenOutput, (usize, u64)>);
 
@@ -141,7 +141,7 @@ pub(super) fn differing(a: &Story, b: &Story) -> BTreeSet<DrivenOutput> {
     differ.copied().collect()
 }
 
-/// Until when both list their bursts; `None` where both list all.
+/// Time until which both list their bursts; `None` where both list all.
 pub(super) fn known_until(a: &Story, b: &Story) -> Option<u64> {
     let ends = [a.listed_until_us(), b.listed_until_us()];
     ends.into_iter().flatten().min()
@@ -316,7 +316,7 @@ fn weighed(grade: Grade, tally: &Tally, text: String) -> Difference {
     Difference::new(grade, true, weight, text)
 }
 
-/// What, where, and since when.
+/// Words for a finding: its kind, its outputs, and its first time.
 fn told(grade: Grade, tally: &Tally, what: &str) -> Difference {
     let from = if tally.total() == 1 { "at" } else { "from" };
     let (who, first) = (tally.who(), at(tally.first_us()));

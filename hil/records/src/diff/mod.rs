@@ -24,10 +24,10 @@ use tables::{digests, figures, heads, rows};
 /// Lines told one by one.
 pub const LINES: usize = 10;
 
-/// How grave a difference is, and what it is about; the first is told first.
+/// Gravity and subject of a difference; the first is told first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Grade {
-    /// What was asked for: times, illusion, limits.
+    /// Settings of the run: times, illusion, limits.
     Setting,
     /// Everything off, or a period that changed.
     Stop,
@@ -56,12 +56,12 @@ pub enum Grade {
 pub struct Difference {
     /// The difference in words.
     pub text: String,
-    /// Whether it means anything; else it is cosmetic.
+    /// `true` where the difference has a meaning, `false` where it is cosmetic.
     pub meaning: bool,
     /// The gravity of the difference.
     #[serde(skip)]
     pub grade: Grade,
-    /// Its place within the grade: the larger is told first.
+    /// Weight within the grade: the largest is told first.
     #[serde(skip)]
     pub weight: i64,
 }
@@ -77,7 +77,7 @@ impl Difference {
     }
 }
 
-/// What counts as the same: nothing but equality for emulated runs, bands for recordings of hardware.
+/// Tolerance of a comparison: nothing but equality for emulated runs, bands for recordings of hardware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tolerance {
     /// Edges this far apart are in the same place, microseconds.
@@ -110,7 +110,7 @@ impl Tolerance {
         self == Self::default()
     }
 
-    /// Whether two texts say the same: their words are equal, or numbers within the band of the unit behind them.
+    /// Tells whether two texts say the same: their words are equal, or numbers within the band of the unit behind them.
     fn alike(self, a: &str, b: &str) -> bool {
         if a == b || self.is_none() {
             return a == b;
@@ -124,7 +124,7 @@ impl Tolerance {
         a.len() == b.len() && pairs.all(|(index, (x, y))| x == y || self.near(x, y, unit(index)))
     }
 
-    /// Whether two numbers, or the ends of two ranges, lie within the band of their unit.
+    /// Tells whether two numbers, or the ends of two ranges, lie within the band of their unit.
     fn near(self, x: &str, y: &str, unit: &str) -> bool {
         let ends = |text: &str| -> Option<Vec<f64>> {
             let number = |end: &str| end.parse().ok().filter(|v: &f64| v.is_finite());

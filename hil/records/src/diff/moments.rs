@@ -7,7 +7,7 @@ use super::{Difference, Grade, Tolerance, shared};
 use crate::story::Story;
 use crate::words::{Happening, HappeningKind};
 
-/// When each line of one kind and text came.
+/// Happenings by kind and text.
 type Lines<'a> = BTreeMap<(HappeningKind, &'a str), Vec<&'a Happening>>;
 
 fn lines<'a>(happenings: &[&'a Happening]) -> Lines<'a> {
@@ -55,7 +55,7 @@ pub(super) fn moments(
     all.extend(found);
 }
 
-/// What the lines of two runs differ by; times within the tolerance are the same.
+/// Differences of the lines of two runs; times within the tolerance are the same.
 fn tell(first: &Lines<'_>, second: &Lines<'_>, tolerance: Tolerance) -> Vec<Difference> {
     let near = |was: &Happening, is: &Happening| {
         let apart = was.t_us.abs_diff(is.t_us);

@@ -35,7 +35,7 @@ pub struct Contacts<'a, E> {
     lines: Box<dyn FnMut() -> Result<Option<String>, E> + 'a>,
     damaged: Box<dyn Fn(Damage) -> E + 'a>,
     number: usize,
-    /// Whether it is of several displays: each row then ends with the name of one.
+    /// `true` for a recording of several displays: each row then ends with the name of one.
     several: bool,
     /// The display of each module that has a row; no name where there is one display.
     displays: BTreeMap<u16, String>,
@@ -138,7 +138,7 @@ impl<'a, E> Contacts<'a, E> {
     }
 }
 
-/// Whether the table of several displays begins so.
+/// Tells whether a line is the heading of a table of several displays.
 fn is_of_several(line: &str) -> bool {
     let more = line.strip_prefix(HEADER).and_then(|m| m.strip_prefix(','));
     more == Some(DISPLAY)
@@ -192,9 +192,9 @@ fn distance(a: Row, b: Row) -> u64 {
 #[derive(Clone, Copy, Debug, Default)]
 struct Other {
     rows: usize,
-    /// By how much at most.
+    /// Largest difference.
     most: u64,
-    /// Whether it is beyond its band anywhere.
+    /// `true` where it is beyond its band in some row.
     beyond: bool,
 }
 
@@ -211,7 +211,7 @@ fn thousands(value: u64) -> String {
     short(i64::try_from(value).unwrap_or(i64::MAX))
 }
 
-/// What two recordings make of one contact.
+/// Comparison of one contact in two recordings.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     /// Rows in one recording alone, and when the first of them came.

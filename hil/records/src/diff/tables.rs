@@ -28,13 +28,13 @@ const SETTINGS: [&str; 11] = [
     LENGTH,
 ];
 
-/// What a digest of a schedule is of, beside what bursts show.
+/// Words for schedules whose digests differ while bursts show no difference.
 const SENT: &str = "the same bursts, sent otherwise: phases, currents, ends asked for, or times within a millisecond";
 
 /// Most margins that are told before the bursts.
 const EACH: usize = 3;
 
-/// What names a header's piece: the label of its line, and its first word without a digit.
+/// Key of a header's piece: the label of its line, and its first word without a digit.
 type Key<'a> = (&'a str, &'a str);
 
 /// The pieces of a header in their order, such as `tau_d 35.000 ms` under `tau_d`.
@@ -266,7 +266,7 @@ pub(super) fn rows(
     all.extend(told.into_iter().map(row));
 }
 
-/// What the words above do not explain.
+/// Tells of digests that differ without an explanation by the differences found so far.
 pub(super) fn digests(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Difference>) {
     if !tolerance.is_none() {
         return;

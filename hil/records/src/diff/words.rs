@@ -3,7 +3,7 @@
 use crate::bursts::DrivenOutput;
 use crate::fixed::milli;
 
-/// What names a header's piece: its first word without a digit.
+/// Key of a header's piece: its first word without a digit.
 pub(super) fn item_key(piece: &str) -> &str {
     let has_digit = |w: &str| w.bytes().any(|b| b.is_ascii_digit());
     let mut words = piece.split_whitespace();
@@ -34,7 +34,7 @@ pub(super) fn change(first: &str, second: &str) -> String {
     parts.join(" ")
 }
 
-/// The wire that something of this name is of.
+/// The wire of a row's name; `None` for another name.
 pub(super) fn wire(name: &str) -> Option<DrivenOutput> {
     let index = name.strip_prefix("wire ")?.parse().ok()?;
     Some(DrivenOutput::Wire(index))
@@ -51,7 +51,7 @@ pub(super) fn short(thousandths: i64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// As [`short`], with its sign.
+/// Thousandths without zeros at the end, with their sign.
 pub(super) fn signed(thousandths: i64) -> String {
     let sign = if thousandths >= 0 { "+" } else { "" };
     format!("{sign}{}", short(thousandths))

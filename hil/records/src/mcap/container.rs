@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// What every file starts and ends with.
+/// Bytes that every file starts and ends with.
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// A chunk is closed when it has come to this size: what one wrong bit costs.
@@ -75,11 +75,11 @@ impl Body {
 /// A file that goes with a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// Its name.
+    /// Name of the file.
     pub name: String,
-    /// Such as `application/toml`.
+    /// Media type, such as `application/toml`.
     pub media_type: &'static str,
-    /// Its content.
+    /// Content of the file.
     pub text: String,
 }
 
@@ -174,7 +174,7 @@ impl<W: Write> Container<W> {
         self.put(&record)
     }
 
-    /// A protobuf schema; its number counts from 1.
+    /// Adds a protobuf schema; its number counts from 1.
     pub fn schema(&mut self, name: &str, descriptor: &[u8]) -> io::Result<u16> {
         let id = self.schemas.len() as u16 + 1; // a dozen
         let body = Body::default()
@@ -188,7 +188,7 @@ impl<W: Write> Container<W> {
         Ok(id)
     }
 
-    /// A topic; its number counts from 0.
+    /// Adds a topic; its number counts from 0.
     pub fn channel(&mut self, schema: u16, topic: &str) -> io::Result<u16> {
         let id = self.channels.len() as u16; // a few for each of 256 wires at most
         let body = Body::default()
@@ -205,7 +205,7 @@ impl<W: Write> Container<W> {
         Ok(id)
     }
 
-    /// A message at a time in nanoseconds.
+    /// Adds a message at a time in nanoseconds.
     pub fn message(&mut self, channel: u16, time: u64, data: &[u8]) -> io::Result<()> {
         let slot = usize::from(channel);
         let sequence = self.counts[slot] as u32; // wraps where it has to

@@ -315,7 +315,7 @@ pub struct MessageField {
     pub name: &'static str,
     /// The field's kind.
     pub kind: FieldKind,
-    /// Whether it may have several values.
+    /// `true` for a field that may have several values.
     pub repeated: bool,
 }
 
@@ -397,7 +397,7 @@ pub fn full_name<'a, T: Described<'a>>() -> String {
     format!("{PACKAGE}.{}", T::NAME)
 }
 
-/// Writes the schema of a message: a `google.protobuf.FileDescriptorSet` of it alone. Its number.
+/// Writes the schema of a message, a `google.protobuf.FileDescriptorSet` of it alone; returns its number.
 pub(super) fn schema<'a, T: Described<'a>>(
     container: &mut Container<impl Write>,
     of: T,

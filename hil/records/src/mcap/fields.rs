@@ -67,7 +67,7 @@ pub(super) fn attachment(record: &[u8]) -> Option<(String, Vec<u8>)> {
     (crc == 0 || crc == crc32fast::hash(covered)).then_some((name, data))
 }
 
-/// How a chunk's records are packed.
+/// Packing of a chunk's records.
 pub(super) struct ChunkHead {
     pub(super) crc: u32,
     pub(super) compression: String,

@@ -10,7 +10,7 @@ pub const LOG: &str = "foxglove.Log";
 pub const CLOUD: &str = "foxglove.PointCloud";
 /// Shapes of a scene.
 pub const SCENE: &str = "foxglove.SceneUpdate";
-/// Where a frame of reference lies in another.
+/// Name of the message for the place of a frame of reference in another.
 pub const TRANSFORM: &str = "foxglove.FrameTransform";
 
 /// A line per message or enumeration: its name, its fields in the order of their numbers. A star is repeated.

@@ -38,7 +38,7 @@ impl<'a> From<&'a Received> for CanMessage<'a> {
     }
 }
 
-/// The frame of such a message.
+/// The frame that a message holds, at its time; `None` for a damaged message.
 pub(super) fn frame(t_ns: u64, message: &[u8]) -> Option<Received> {
     let said: CanMessage<'_> = decode(message)?;
     Some(Received {
@@ -63,7 +63,7 @@ impl<'a> Described<'a> for &'a Transfer {
     }
 }
 
-/// What a module's taxels read in a frame, raw counts, and their distance from the reference: packed numbers.
+/// Readings of a module's taxels in a frame, raw counts, and their distance from the reference: packed numbers.
 #[derive(Default)]
 pub(super) struct TaxelCounts<'a>(pub [&'a [u8]; 4]);
 
@@ -126,7 +126,7 @@ impl<'a> Described<'a> for event::Truth {
     }
 }
 
-/// What a wire's channel was told, beside what had been asked; ticks of 4096 to a period.
+/// Command to a wire's channel, beside the request; ticks of 4096 to a period.
 pub(super) struct Stimulus {
     pub entry: Entry,
     pub pulses: u64,
@@ -202,8 +202,8 @@ pub(super) fn stimulus(t_ns: u64, message: &[u8]) -> Option<Stimulus> {
     Some(said)
 }
 
-/// Of a line of the schedule: whether pulses and period are those that the times make; also true where an older file has
-/// neither. `None` for what is no such message.
+/// Tells whether pulses and period of a line of the schedule are those that the times make; also `true` where an older
+/// file has neither. `None` for what is no such message.
 pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
     let said = stimulus(t_ns, message)?;
     Some(match said.period_ns {
@@ -247,7 +247,7 @@ impl<'a> Described<'a> for event::Temperature {
     }
 }
 
-/// What a person would feel of an onset; NaN for nothing.
+/// Sensation of a person at an onset; NaN where there is none.
 impl<'a> Described<'a> for event::Felt {
     const NAME: &'static str = "Felt";
 
@@ -289,7 +289,7 @@ impl<'a> Described<'a> for Angle {
     }
 }
 
-/// In a recording of a run with a Peltier module; NaN where nothing is aimed at, and a current that cools is positive.
+/// Temperatures and current of a Peltier module; NaN where nothing is aimed at, and a current that cools is positive.
 impl<'a> Described<'a> for event::Face {
     const NAME: &'static str = "Face";
 

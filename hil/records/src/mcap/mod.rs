@@ -47,10 +47,10 @@ pub const VERSION: u32 = 1;
 /// The profile in the file's header, and the name of the metadata record with the versions.
 pub const PROFILE: &str = "palpate";
 
-/// What crossed the buses of a run, in the order of time, and what came of it.
+/// Traffic on the buses of a run, in the order of time, and the readings decoded from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BusTraffic<'a> {
-    /// What taxels read, decoded; empty where only their frames are recorded.
+    /// Readings of taxels; empty where only their frames are recorded.
     pub taxels: &'a [TaxelFrame],
     /// Frames on the sensor buses, as the host saw them.
     pub can: &'a [Received],
@@ -61,7 +61,7 @@ pub struct BusTraffic<'a> {
 /// Writes a whole run, with the readings that it kept.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_mcap(
     (trace, readings): (&Trace, Option<&Readings>),
     traffic: BusTraffic<'_>,
@@ -91,7 +91,7 @@ impl<W: Write> McapRecording<W> {
     /// those whose readings will come.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn of_run(
         header: &Header,
         modules: &[ModulePlaces],
@@ -171,7 +171,7 @@ impl<W: Write> McapRecording<W> {
     /// Begins a recording of sensor buses alone: bus n is the n-th of these interfaces.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn of_buses(interfaces: &[String], out: W) -> io::Result<Self> {
         let facts = [
             ("source", "real".into()),
@@ -200,7 +200,7 @@ impl<W: Write> McapRecording<W> {
     /// Appends what happened since the last piece, merged by time.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn piece(&mut self, events: &[Event], traffic: BusTraffic<'_>) -> io::Result<()> {
         let (mut can, mut i2c) = (traffic.can.iter().peekable(), traffic.i2c.iter().peekable());
         let mut taxels = traffic.taxels;
@@ -234,12 +234,12 @@ impl<W: Write> McapRecording<W> {
     /// Hands over what is there: whatever comes, a reader finds it.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn flush(&mut self) -> io::Result<()> {
         self.container.flush()
     }
 
-    /// What it is written to.
+    /// Writer of the recording.
     pub const fn get_mut(&mut self) -> &mut W {
         self.container.get_mut()
     }
@@ -247,7 +247,7 @@ impl<W: Write> McapRecording<W> {
     /// Closes the file with its summary.
     ///
     /// # Errors
-    /// Whatever the writer says.
+    /// The writer's error.
     pub fn finish(self) -> io::Result<W> {
         self.container.finish()
     }
@@ -297,7 +297,7 @@ impl<W: Write> McapRecording<W> {
         self.log_event(event)
     }
 
-    /// What of an event is worth a line in the log.
+    /// Logs the part of an event that is worth a line.
     fn log_event(&mut self, event: &Event) -> io::Result<()> {
         let t_ns = event.t_ns();
         match event {

@@ -97,7 +97,7 @@ pub enum Value<'a> {
 pub struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
-    /// Over the bytes of a message.
+    /// Reader over the bytes of a message.
     pub const fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }

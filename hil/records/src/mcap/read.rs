@@ -1,5 +1,5 @@
-//! What a recording holds of the sensor buses, as far as it is whole: a file that was cut short or is damaged
-//! gives what can be had, with the offset where that ends; one of another version is refused by name.
+//! Reading of the sensor buses' part of a recording, as far as it is whole. A file that was cut short or is damaged
+//! gives what can be had, with the offset where that ends. A file of another version is refused by name.
 
 mod run;
 
@@ -16,7 +16,7 @@ use super::told::Topic;
 use super::{PROFILE, VERSION};
 use run::Run;
 
-/// What could be read.
+/// Content of a file, as far as it could be read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Read {
     /// Versions, digests and names, as the file's metadata has them.
@@ -29,7 +29,7 @@ pub struct Read {
     pub messages: u64,
     /// Names and contents of the attached files.
     pub attachments: Vec<(String, Vec<u8>)>,
-    /// What is wrong with the file; a chunk whose checksum fails is left out and the rest is read.
+    /// Damages of the file; a chunk whose checksum fails is left out and the rest is read.
     pub damages: Vec<Tear>,
     /// Time of the last whole message, nanoseconds.
     pub last_ns: u64,
@@ -41,16 +41,16 @@ pub struct Read {
 pub struct Tear {
     /// Byte of the record that is damaged, or where the file ends.
     pub offset: u64,
-    /// What is wrong there.
+    /// Kind of the damage.
     pub what: &'static str,
 }
 
 /// Why nothing can be had of a file: what was expected and what was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable {
-    /// What was expected.
+    /// Content that was expected.
     pub expected: String,
-    /// What was found, with its place.
+    /// Content that was found, with its place.
     pub found: String,
 }
 
@@ -117,7 +117,7 @@ impl<R: io::Read> McapReader<R> {
     /// The next frame on a sensor bus, in the order of the file; none at its end.
     ///
     /// # Errors
-    /// As [`read`], and a record of more than 16 MiB.
+    /// The errors of [`read`], and a record of more than 16 MiB.
     pub fn advance(&mut self) -> Result<Option<Received>, Unreadable> {
         loop {
             if let Some(frame) = self.contents.frames.pop_front() {
@@ -180,7 +180,7 @@ impl<R: io::Read> McapReader<R> {
         contents.top(kind, record, here)
     }
 
-    /// What the file says beside frames, as far as it was read.
+    /// Content of the file beside frames, as far as it was read.
     ///
     /// # Errors
     /// [`Unreadable`] where no recording of ours begins.
@@ -203,7 +203,7 @@ struct Counted<R> {
 }
 
 impl<R: io::Read> Counted<R> {
-    /// So many bytes in place of those in `record`; false where the stream ends before.
+    /// Reads `length` bytes in place of those in `record`; returns `false` where the stream ends before.
     fn fill(&mut self, record: &mut Vec<u8>, length: u64) -> Result<bool, Unreadable> {
         record.clear();
         let read = self.input.by_ref().take(length).read_to_end(record);
@@ -212,7 +212,7 @@ impl<R: io::Read> Counted<R> {
         Ok(read == length)
     }
 
-    /// Reads what is left; whether it ends so.
+    /// Reads the rest; returns whether it ends with `end`.
     fn ends_with(&mut self, end: &[u8]) -> Result<bool, Unreadable> {
         let (mut piece, mut tail) = (Vec::new(), Vec::new());
         loop {
@@ -227,7 +227,7 @@ impl<R: io::Read> Counted<R> {
     }
 }
 
-/// What a message is, as far as it is looked at.
+/// Kind of a message, as far as messages are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     /// A frame on a sensor bus.
@@ -239,13 +239,13 @@ enum Content {
     Other,
 }
 
-/// What was read.
+/// Content read so far, and the state of the reader.
 #[derive(Clone, Debug, Default)]
 struct Contents {
     read: Read,
-    /// What the messages of a schema are, by number.
+    /// Kinds of messages by the number of their schema.
     schemas: BTreeMap<u16, Content>,
-    /// Channels by number: the begin of the topic, and what its messages are.
+    /// Channels by number: the prefix of the topic, and the kind of its messages.
     channels: BTreeMap<u16, (String, Content)>,
     versioned: bool,
     /// Bytes of the attachments that are kept.
@@ -254,7 +254,7 @@ struct Contents {
     angles: usize,
     /// Frames of the newest chunk.
     frames: VecDeque<Received>,
-    /// Where the run is wanted in place of its frames: what its topics say, by channel, and what the newest chunk said.
+    /// Topics of the run by channel, and messages of the newest chunk, where the run is wanted in place of its frames.
     run: Option<Run>,
 }
 
@@ -348,8 +348,8 @@ impl Contents {
         Ok(())
     }
 
-    /// What is there of a chunk that the file's end cuts short: its checksum cannot be asked, its records are
-    /// whole or not there.
+    /// Reads the records of a chunk that the file's end cuts short: its
+    /// checksum cannot be asked, its records are whole or not there.
     fn torn_chunk(&mut self, rest: &[u8], here: u64) {
         let head = chunk_head(rest);
         if let Some((_, records)) = head.filter(|(head, _)| head.compression.is_empty()) {

@@ -1,4 +1,4 @@
-//! What Foxglove draws: the skin's taxels as points, contacts, wires and felt places as shapes, and beside them the
+//! Pictures for Foxglove: the skin's taxels as points, contacts, wires and felt places as shapes, and beside them the
 //! taxels' values as numbers. Pictures come 25 times per second at most; numbers come whole.
 
 use std::array::from_fn;
@@ -14,7 +14,7 @@ use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
 /// Least time between two pictures, microseconds.
 const PICTURE_US: u64 = 40_000;
-/// Between two modules, and between skin and display, mm.
+/// Gap between two modules, and between skin and display, mm.
 const GAP_MM: f64 = 8.0;
 
 type Rgba = [f64; 4];
@@ -49,7 +49,7 @@ pub(super) struct Scene {
     /// Contacts of the newest frame: module, identity, place.
     contacts: Vec<(u16, u32, PlaceUm)>,
     felt: Option<(PlaceUm, Option<FeltAt>)>,
-    /// When the next picture of the scene and of the taxels is due.
+    /// Time at which the next picture of the scene and of the taxels is due.
     due_us: u64,
     due_cloud_us: u64,
 }
@@ -76,7 +76,7 @@ fn vector(mm: [f64; 3]) -> Message {
     vector
 }
 
-/// Turned by nothing.
+/// Orientation without a turn.
 fn upright() -> Message {
     let mut rotation = Message::default();
     rotation.double(4, 1.0);

@@ -1,4 +1,4 @@
-//! What a recording of a run says of it again: messages of its topics back to events.
+//! Messages of a recording's topics turned back to events.
 
 use palpate_core::units::Instant;
 
@@ -7,23 +7,23 @@ use super::messages::{BoardMessage, Line, TaxelCounts, stimulus};
 use super::proto::packed;
 use crate::trace::{Event, event};
 
-/// What a message of a run says.
+/// Content of a message of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Told {
     /// Something happened.
     Event(Event),
     /// The output of a wire changed; its board and channel stand nowhere in the message.
     Pin {
-        /// When, nanoseconds.
+        /// Time, nanoseconds.
         t_ns: u64,
         /// Wire index in the display's layout.
         wire: u16,
         /// New state.
         high: bool,
     },
-    /// What the taxels of a module read: the distance of each from its reference, raw counts.
+    /// Readings of the taxels of a module: the distance of each from its reference, raw counts.
     Taxels {
-        /// When, nanoseconds.
+        /// Time, nanoseconds.
         t_ns: u64,
         /// The module, as it is numbered among those that are recorded.
         module: u16,
@@ -33,7 +33,7 @@ pub enum Told {
 }
 
 impl Told {
-    /// When it happened, nanoseconds.
+    /// Time of the event, nanoseconds.
     #[must_use]
     pub fn t_ns(&self) -> u64 {
         match self {

@@ -26,9 +26,9 @@ pub(super) struct RunTopics {
     pub i2c: u16,
     pub log: u16,
     pub wires: Vec<WireTopics>,
-    /// Of each joint.
+    /// Topic of each joint.
     pub joints: Vec<u16>,
-    /// Of a Peltier module.
+    /// Topic of a Peltier module.
     pub face: Option<u16>,
     pub scene: Scene,
     /// PWM period of all boards, nanoseconds.
@@ -43,7 +43,7 @@ impl RunTopics {
         wire.map(|w| self.wires[w])
     }
 
-    /// Writes the message of an event; the topic it goes to.
+    /// Writes the message of an event; returns its topic.
     pub fn write(&self, event: &Event, message: &mut Message) -> Option<u16> {
         // Every variant has its place here: a new one does not compile until it is recorded.
         match event {

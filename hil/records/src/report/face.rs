@@ -12,7 +12,7 @@ fn milli(value: i32) -> f64 {
     f64::from(value) / 1e3
 }
 
-/// The section; nothing where there is no module.
+/// Writes the section; nothing where there is no module.
 pub(super) fn section(page: &mut String, trace: &Trace) {
     let samples: Vec<&event::Face> = trace.each().collect();
     if samples.len() < 2 {

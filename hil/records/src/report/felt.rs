@@ -20,7 +20,7 @@ fn level_db(onset: &event::Felt) -> f64 {
     level.max(FLOOR_DB)
 }
 
-/// The section; nothing where no onset had one contact.
+/// Writes the section; nothing where no onset had one contact.
 pub(super) fn section(page: &mut String, trace: &Trace) {
     let onsets: Vec<&event::Felt> = trace.each().collect();
     if onsets.is_empty() {
@@ -67,7 +67,7 @@ fn levels(trace: &Trace, onsets: &[&event::Felt]) -> TimePlot {
     plot
 }
 
-/// A path each for what is felt, inside the wires and outside, and what is not.
+/// Paths of the onsets: felt inside the wires, felt outside, and not felt.
 fn paths(plot: &mut TimePlot, onsets: &[&event::Felt], of: impl Fn(&event::Felt) -> Option<f64>) {
     for (felt, inside, name, class) in [
         (true, Some(true), "felt", "felt-dots"),

@@ -29,7 +29,7 @@ fn tile(name: &'static str, value: String, more: String) -> Tile {
     }
 }
 
-/// The figures; those that the run has no value of are left out.
+/// Writes the figures; those without a value in the run are left out.
 pub(super) fn tiles(page: &mut String, trace: &Trace, band: &[BandRow]) {
     let ledger = &trace.ledger;
     let driven = ledger.driven;

@@ -29,19 +29,19 @@ pub use hand::{FingerReport, HandReport, Pad, hand_html};
 use std::fmt::Write;
 pub use thermal::Warmth;
 
-/// What makes the plots of a report answer.
+/// Script that lets the plots of a report answer.
 const SCRIPT: &str = include_str!("page.js");
 
 /// A line of the summary that the trace itself does not hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SummaryRow {
-    /// What was measured.
+    /// Name of the measured quantity.
     pub name: String,
-    /// How much.
+    /// Value as printed.
     pub value: String,
     /// Unit, empty for a count.
     pub unit: String,
-    /// Whether the value is one to look at.
+    /// `true` for a value to look at.
     pub over: bool,
 }
 
@@ -60,8 +60,8 @@ pub struct BandRow {
     pub error_mm: Option<f64>,
 }
 
-/// What a report shows beside the trace: measurements of this machine, which differ from run to run
-/// and so have no place in a trace.
+/// Content of a report beside the trace: measurements of this machine,
+/// which differ from run to run and so have no place in a trace.
 #[derive(Clone, Debug, Default)]
 pub struct ReportExtras<'a> {
     /// Compression time of each frame in the trace's order, microseconds; empty if not measured, NaN
@@ -72,13 +72,13 @@ pub struct ReportExtras<'a> {
     pub summary: &'a [SummaryRow],
     /// Range of the felt level over unmeasured properties, where that is known.
     pub band: &'a [BandRow],
-    /// What every taxel read, where that was kept.
+    /// Readings of every taxel, where they were kept.
     pub readings: Option<&'a Readings>,
     /// The emulated finger over time, where there is one.
     pub warmth: &'a [Warmth],
-    /// How the page was made, such as command, date and host: names and values, shown with the facts of the run.
+    /// Making of the page, such as command, date and host: names and values, shown with the facts of the run.
     pub made: &'a [(&'static str, String)],
-    /// How the run ended; without it the page says what its ledger shows.
+    /// Conclusion of the run; without it the page says what its ledger shows.
     pub conclusion: Option<&'a Conclusion>,
 }
 

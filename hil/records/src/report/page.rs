@@ -1,4 +1,4 @@
-//! What every page is made of: a head with the one style sheet, how something ended, tables, a foot.
+//! Parts of every page: a head with the one style sheet, a verdict, tables, a foot.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ pub fn head(title: &str) -> String {
     )
 }
 
-/// How something ended, and why.
+/// Verdict and its reasons.
 pub fn verdict(verdict: Verdict, why: &[String]) -> String {
     let why = why
         .iter()

@@ -72,7 +72,7 @@ impl Trodden {
     /// Most steps of one colour.
     const MOST: usize = 4_000;
 
-    /// Whether this step is new, and there is room for it.
+    /// Tells whether this step is new, and there is room for it.
     fn is_new(&mut self, from: (f64, f64), to: (f64, f64)) -> bool {
         let cell = |v: f64| (v / 2.0).round() as i32;
         let step = [from.0, from.1, to.0, to.1].map(cell);
@@ -189,16 +189,16 @@ pub(super) fn touched(
     (strokes.into_values().map(|(s, _)| s).collect(), first)
 }
 
-/// What was felt of a run, and what was not.
+/// Felt and unfelt onsets of a run.
 #[derive(Default)]
 pub(super) struct Felt {
-    /// Where contacts were.
+    /// Path of the contacts.
     target: Stroke,
-    /// Where they were felt.
+    /// Path at which they were felt.
     pub(super) path: Stroke,
     /// Contacts inside the display that were not felt.
     pub(super) crosses: String,
-    /// The same outside.
+    /// Contacts outside the display that were not felt.
     outside: String,
     /// The first felt place.
     first: Option<(f64, f64)>,

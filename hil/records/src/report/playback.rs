@@ -1,6 +1,7 @@
-//! What the page's script plays: taxels, contacts and felt places over time, as numbers in a bounded space.
+//! Data for the playback of the page's script: taxels, contacts
+//! and felt places over time, as numbers in a bounded space.
 //!
-//! What the wires do is not here: the script reads it off the schedule's own bars.
+//! The script reads what the wires do off the schedule's own bars.
 
 use super::paths::TAXELS;
 use super::series::scan_us;
@@ -69,7 +70,7 @@ fn contacts(trace: &Trace) -> (String, usize) {
     (rows.out, every)
 }
 
-/// Where onsets were aimed and felt, and of how many one is told; a break is felt nowhere.
+/// Places at which onsets were aimed and felt, and the number of onsets of which one is told; a break is felt nowhere.
 fn felt(trace: &Trace) -> (String, usize) {
     let onsets = trace.each::<event::Felt>();
     let every = onsets.clone().count().div_ceil(FELT).max(1);

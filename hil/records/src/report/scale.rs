@@ -1,12 +1,12 @@
-//! Scales: how values become places along an axis, and the round numbers written beside it.
+//! Scales: from values to places along an axis, and the round numbers written beside it.
 
-/// How values become places along an axis.
+/// Conversion of values to places along an axis.
 #[derive(Clone, Copy)]
 pub struct Scale {
     low: f64,
     high: f64,
     log: bool,
-    /// Between ticks lies at least one.
+    /// `true` where ticks are at least one apart.
     whole: bool,
 }
 
@@ -24,7 +24,7 @@ impl Scale {
         }
     }
 
-    /// The same of counts: nothing is written between two whole numbers.
+    /// Returns the scale for counts: nothing is written between two whole numbers.
     #[must_use]
     pub const fn of_counts(self, whole: bool) -> Self {
         Self { whole, ..self }

@@ -9,7 +9,7 @@ use palpate_core::units::Ticks;
 
 /// Height of a row on the page, pixels.
 const ROW: f64 = 30.0;
-/// Where bars of a row stand, and how high the highest is, in units of the paths.
+/// Base of a row's bars, and height of the highest, in units of the paths.
 const BASE: i64 = 8_700;
 const BAR: i64 = 7_300;
 /// Most wires with a row.
@@ -86,7 +86,7 @@ pub(super) fn schedule(trace: &Trace, all: &[Burst], span: (u64, u64)) -> String
     )
 }
 
-/// Names of the rows; the most taxels in contact.
+/// Writes the names of the rows, and the most taxels in contact.
 fn names(trace: &Trace, plot: &mut TimePlot, wires: &[u16]) -> u16 {
     let fixed = ["events".to_owned(), "taxels".to_owned()];
     let wires = wires.iter().map(|w| format!("wire {w}"));

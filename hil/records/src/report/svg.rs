@@ -91,12 +91,12 @@ impl Svg {
         );
     }
 
-    /// What is drawn from here on is a link, until [`Svg::close_link`].
+    /// Makes a link of all that is drawn from here on, until [`Svg::close_link`].
     pub fn open_link(&mut self, to: &str) {
         let _ = writeln!(self.body, "<a href=\"{}\">", escape(to));
     }
 
-    /// The link ends here.
+    /// Ends the link.
     pub fn close_link(&mut self) {
         self.body.push_str("</a>\n");
     }
@@ -204,14 +204,14 @@ impl Plot {
     }
 }
 
-/// One dot of a path whose style has round ends.
+/// Adds one dot to a path whose style has round ends.
 pub fn dot(out: &mut String, (x, y): (f64, f64)) {
     if x.is_finite() && y.is_finite() {
         let _ = write!(out, "M{x:.1} {y:.1}h0");
     }
 }
 
-/// The next point of a path of straight lines.
+/// Adds the next point to a path of straight lines.
 pub fn line(out: &mut String, (x, y): (f64, f64)) {
     let step = if out.is_empty() { 'M' } else { 'L' };
     let _ = write!(out, "{step}{x:.1} {y:.1}");

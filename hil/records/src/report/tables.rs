@@ -1,4 +1,4 @@
-//! Heading and verdict; results, band, ledger and events as tables; how the page was made.
+//! Heading and verdict; results, band, ledger and events as tables; the making of the page.
 
 use super::page::table;
 use super::series::scan_us;
@@ -19,7 +19,7 @@ use std::fmt::Write;
 /// Most happenings in the table.
 const EVENTS: usize = 200;
 
-/// What the name of a replayed recording begins with.
+/// Prefix of the name of a replayed recording.
 const REPLAY: &str = "replay of ";
 
 /// A scene's name; of a replayed file without its folders, which stand among the facts.
@@ -33,7 +33,7 @@ pub(super) fn title(scene: &str) -> String {
     }
 }
 
-/// How the run ended, and why.
+/// Verdict of the run and its reasons.
 pub(super) fn verdict(page: &mut String, trace: &Trace, known: Option<&Conclusion>) {
     let mut shown = Conclusion::default();
     shown.add_margins(&trace.ledger.margins);
@@ -41,7 +41,7 @@ pub(super) fn verdict(page: &mut String, trace: &Trace, known: Option<&Conclusio
     page.push_str(&super::page::verdict(shown.verdict, &shown.why));
 }
 
-/// Name, and whether real.
+/// Name of the scene, and whether hardware took part.
 pub(super) fn heading(page: &mut String, trace: &Trace) {
     let h = &trace.header;
     let (class, word) = match h.source {
@@ -59,14 +59,14 @@ pub(super) fn heading(page: &mut String, trace: &Trace) {
     }
 }
 
-/// The section of [`facts`].
+/// Writes the section of [`facts`].
 pub(super) fn made(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
     page.push_str("<section><h2>How it was made</h2>");
     facts(page, trace, made);
     page.push_str("</section>\n");
 }
 
-/// What was run, and how the page was made.
+/// Facts of the run, and of the making of the page.
 fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
     let h = &trace.header;
     page.push_str("<dl>");
@@ -205,7 +205,7 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     rows
 }
 
-/// What came out, beside what was spent and allowed.
+/// Results, beside what was spent and allowed.
 pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
     let columns = [("", "measured"), ("num", "value"), ("", "unit")];
     let row = |r: SummaryRow| (r.over, vec![r.name, r.value, r.unit]);

@@ -12,7 +12,7 @@ const LINES: usize = 8;
 /// Windows further apart are of different touches: no line joins them, microseconds.
 const APART_US: u64 = 500_000;
 
-/// One window: its end, its latent vector and how rough that is.
+/// One window: its end, its latent vector and its roughness.
 type Window<'a> = (u64, &'a [i32], u16);
 
 fn windows(trace: &Trace) -> Vec<Window<'_>> {
@@ -22,7 +22,7 @@ fn windows(trace: &Trace) -> Vec<Window<'_>> {
         .collect()
 }
 
-/// One value of every window against time, a line for each touch.
+/// Draws one value of every window against time, a line for each touch.
 fn draw(plot: &mut TimePlot, points: &[(u64, f64)], name: &str, class: &str) {
     let mut before = None;
     let mut drawn = Vec::with_capacity(points.len());
@@ -36,7 +36,7 @@ fn draw(plot: &mut TimePlot, points: &[(u64, f64)], name: &str, class: &str) {
     plot.line(name, class, drawn.into_iter());
 }
 
-/// Latent path and roughness; nothing where no texture was felt.
+/// Writes latent path and roughness; nothing where no texture was felt.
 pub(super) fn section(page: &mut String, trace: &Trace) {
     let windows = windows(trace);
     if windows.is_empty() {

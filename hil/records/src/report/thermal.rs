@@ -1,4 +1,4 @@
-//! What only an emulated finger tells: how warm it was over time, against the limits of its skin.
+//! Temperatures of an emulated finger over time, against the limits of its skin.
 
 use super::scale::Scale;
 use super::series::span;
@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// The finger at one instant; each temperature is the highest since the instant before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warmth {
-    /// When, s.
+    /// Time, s.
     pub t_s: f64,
     /// Hottest wire, degrees C.
     pub wire_c: f64,
@@ -24,7 +24,7 @@ pub struct Warmth {
     pub mean_c: f64,
 }
 
-/// The section: temperatures against their limits; nothing where they were not measured.
+/// Writes the section: temperatures against their limits; nothing where they were not measured.
 pub(super) fn section(page: &mut String, trace: &Trace, samples: &[Warmth]) {
     if samples.len() < 2 {
         return;

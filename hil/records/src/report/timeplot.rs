@@ -44,24 +44,24 @@ impl Pen {
         self.at = (x, y);
     }
 
-    /// A new stroke begins here.
+    /// Begins a new stroke here.
     pub fn lift_to(&mut self, at: (i64, i64)) {
         self.step('m', at);
     }
 
-    /// The stroke goes on to here.
+    /// Draws the stroke on to here.
     pub fn line_to(&mut self, at: (i64, i64)) {
         self.step('l', at);
     }
 
-    /// A dot, for a style with round ends.
+    /// Adds a dot, for a style with round ends.
     pub fn dot(&mut self, at: (i64, i64)) {
         self.lift_to(at);
         self.out.push_str("h0");
         self.letter = 'h';
     }
 
-    /// An upright bar on a base line.
+    /// Adds an upright bar on a base line.
     pub fn bar(&mut self, at: (i64, i64), width: i64, height: i64) {
         self.lift_to(at);
         let _ = write!(self.out, "v{}h{width}v{height}z", -height);
@@ -187,18 +187,18 @@ impl TimePlot {
         self.title(title);
     }
 
-    /// What is measured, above the upper end.
+    /// Title above the upper end: the measured quantity.
     pub fn title(&mut self, title: &str) {
         let _ = write!(self.around, "<figcaption>{}</figcaption>", escape(title));
     }
 
-    /// A line across at a value.
+    /// Draws a line across at a value.
     fn level(&mut self, value: f64, class: &str) {
         let y = (1.0 - self.y.at(value)) * SPAN as f64;
         self.across(y.round() as i64, class);
     }
 
-    /// A line across, in units of the paths.
+    /// Draws a line across, in units of the paths.
     pub fn across(&mut self, y: i64, class: &str) {
         let _ = write!(
             self.body,
@@ -207,18 +207,18 @@ impl TimePlot {
         );
     }
 
-    /// The time below, with its name or with numbers only.
+    /// Shows the time below, with its name or with numbers only.
     pub fn named(mut self) -> Self {
         self.named = true;
         self
     }
 
-    /// Text at the left of a row.
+    /// Writes text at the left of a row.
     pub fn row_name(&mut self, row: usize, text: &str) {
         self.beside("y", row, text);
     }
 
-    /// Text at the right of a row.
+    /// Writes text at the right of a row.
     pub fn row_note(&mut self, row: usize, text: &str) {
         self.beside("r", row, text);
     }
@@ -232,7 +232,7 @@ impl TimePlot {
         );
     }
 
-    /// A line across with its name at the right.
+    /// Draws a line across with its name at the right.
     pub fn bound(&mut self, value: f64, class: &str, text: &str) {
         self.level(value, class);
         let _ = write!(
@@ -243,14 +243,14 @@ impl TimePlot {
         );
     }
 
-    /// A curve and its entry in the legend: values against microseconds. `NaN` interrupts it.
+    /// Draws a curve and its entry in the legend: values against microseconds. `NaN` interrupts it.
     pub fn line(&mut self, name: &str, class: &str, points: impl Iterator<Item = (u64, f64)>) {
         line_key(&mut self.legend, class, name);
         let d = envelope(points.map(|(t, v)| self.at(t, v)), self.column());
         self.path("line", name, class, &d);
     }
 
-    /// What a script reads by its kind (`line`, `dots`, `bars`, `marks`) and name; nothing for an empty path.
+    /// Path that a script reads by its kind (`line`, `dots`, `bars`, `marks`) and name; nothing for an empty path.
     pub fn path(&mut self, kind: &str, name: &str, class: &str, d: &str) {
         if !d.is_empty() {
             let name = escape(name);

@@ -145,7 +145,7 @@ impl Record {
 /// instant (off-then-on and on-then-off end differently); only entries between two such are sorted.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
     write_header(&trace.header, &mut out)?;
     write_records(&trace.events, trace.header.pre_scale.period_ns(), out)
@@ -154,7 +154,7 @@ pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 /// Writes the first line.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
     serde_json::to_writer(&mut out, &HeaderLine::new(header))?;
     out.write_all(b"\n")
@@ -164,7 +164,7 @@ pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
 /// a run have one period.
 ///
 /// # Errors
-/// Whatever the writer says.
+/// The writer's error.
 pub fn write_records(events: &[Event], period_ns: u64, mut out: impl Write) -> io::Result<()> {
     for (_, record) in sorted(events, period_ns) {
         serde_json::to_writer(&mut out, &record)?;

@@ -24,7 +24,7 @@ impl HeaderLine<'_> {
     }
 }
 
-/// What a record may say. Another key is refused: no comparison would see it.
+/// Content of a record. Another key is refused: no comparison would see it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
@@ -151,7 +151,7 @@ pub fn check_line(number: usize, text: &str) -> Result<u64, Damage> {
     }
 }
 
-/// What the first line of a schedule says beside a trace, as pieces of a header.
+/// Pieces of a header from what the first line of a schedule says beside a trace.
 ///
 /// # Errors
 /// A line that is no header.
@@ -272,7 +272,7 @@ fn event(number: usize, text: &str, period_ns: Option<u64>) -> Result<Event, Dam
     }
 }
 
-/// What a channel was told; `None` for a line that is no such record.
+/// Entry of a channel; `None` for a line that is no such record.
 fn entry(
     line: &Line,
     period_ns: Option<u64>,

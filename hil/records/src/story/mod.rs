@@ -27,17 +27,17 @@ pub const COLUMNS: usize = 99;
 /// Most lines of a golden.
 pub const LINES: usize = 199;
 
-/// What the header of every golden names, and the header of a schedule file.
+/// Begins of the pieces that the header of every golden has, and the header of a schedule file.
 const NAMED: [&str; 4] = ["bench ", "seed ", "scene ", "limits "];
-/// What the header of a schedule names as well: periods and times.
+/// Begins of the further pieces that the header of a schedule has: periods and times.
 const DRIVEN: [&str; 6] = ["PWM ", "PRE_SCALE ", "period ", "tick ", "tau_d ", "SOA "];
 
-/// Which golden it is.
+/// Kind of a golden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum GoldenKind {
-    /// What the wires were told, and what it came to.
+    /// Commands to the wires, and their results.
     Schedule,
-    /// What the compression found.
+    /// Contacts that the compression found.
     Contacts,
     /// A scene over force and speed.
     Surface,
@@ -47,7 +47,7 @@ impl GoldenKind {
     /// Every kind, in the order a review shows them.
     pub const ALL: [Self; 3] = [Self::Schedule, Self::Contacts, Self::Surface];
 
-    /// The words of its first line.
+    /// Title on the golden's first line.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Schedule => "schedule",
@@ -72,7 +72,7 @@ const DIGEST: &str = "digest 2 of";
 /// A line of the header: pieces such as `tau_d 35.000 ms`, under a label or none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HeadLine {
-    /// What the pieces are of, such as `path error`.
+    /// Subject of the pieces, such as `path error`.
     pub label: String,
     /// At least one; none holds a comma or colon.
     pub pieces: Vec<String>,
@@ -83,36 +83,36 @@ pub struct HeadLine {
 pub struct StoryTiming {
     /// Length of a whole burst, microseconds.
     pub tau_d_us: u64,
-    /// From onset to onset, microseconds.
+    /// Time from onset to onset, microseconds.
     pub soa_us: u64,
     /// A tick of the pulse width, nanoseconds.
     pub tick_ns: u64,
 }
 
-/// A run as a golden tells it. Of a text it holds what the text lists; of a trace, everything.
+/// A run as a golden tells it. From a text it holds what the text lists; from a trace, everything.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Story {
-    /// Which golden it is.
+    /// Kind of the golden.
     pub kind: GoldenKind,
     /// The scene's name.
     pub scene: String,
-    /// Whether hardware took part.
+    /// Emulated or real.
     pub source: Source,
-    /// What the header says.
+    /// Lines of the header.
     pub head: Vec<HeadLine>,
-    /// Of a schedule: the times in its header.
+    /// Times in the header of a schedule.
     pub timing: StoryTiming,
-    /// Of a contact path: the map of the pad, line by line, with its heading.
+    /// Map of the pad of a contact path, line by line, with its heading.
     pub pad: Vec<String>,
     /// The strip chart, line by line, with its heading.
     pub chart: Vec<String>,
-    /// What happened, to the millisecond.
+    /// Happenings, to the millisecond.
     pub happenings: Vec<Happening>,
     /// Happenings that the text counts and does not list.
     pub happenings_untold: u64,
     /// Totals and margins.
     pub figures: Vec<Figure>,
-    /// Its wires, contacts or points.
+    /// Table of wires, contacts or points.
     pub table: Table,
     /// Every burst, sorted by start and output.
     pub bursts: Vec<Burst>,
@@ -120,12 +120,12 @@ pub struct Story {
     pub bursts_untold: u64,
     /// Digests by what they are of.
     pub digests: BTreeMap<&'static str, String>,
-    /// From a schedule file or a golden of an earlier version, which say less: what they lack is no difference.
+    /// `true` for a schedule file or a golden of an earlier version, which say less: what they lack is no difference.
     pub partial: bool,
 }
 
 impl Story {
-    /// Nothing but its title.
+    /// A story of nothing but its title.
     fn empty(kind: GoldenKind, scene: String, source: Source) -> Self {
         Self {
             kind,
@@ -146,12 +146,12 @@ impl Story {
         }
     }
 
-    /// How many events there were, listed or not.
+    /// Number of events, listed or not.
     pub(crate) const fn happening_count(&self) -> u64 {
         self.happenings.len() as u64 + self.happenings_untold
     }
 
-    /// How many bursts there were, listed or not.
+    /// Number of bursts, listed or not.
     pub(crate) const fn burst_count(&self) -> u64 {
         self.bursts.len() as u64 + self.bursts_untold
     }
@@ -168,7 +168,7 @@ impl Story {
         (self.happenings_untold > 0).then_some(last)
     }
 
-    /// What a golden's text says, with insta's heading or without.
+    /// Reads a golden's text, with insta's heading or without.
     ///
     /// # Errors
     /// The first line that no golden has there.
@@ -176,7 +176,7 @@ impl Story {
         read::read(text)
     }
 
-    /// Of a schedule file (JSON Lines); `wires` finds the wires of a bench by its name.
+    /// Reads a schedule file (JSON Lines); `wires` finds the wires of a bench by its name.
     ///
     /// # Errors
     /// The first line that no schedule has there.
@@ -208,7 +208,7 @@ impl Story {
     }
 }
 
-/// The golden of a schedule: what the wires were told, and what it came to.
+/// The golden of a schedule: commands to the wires, and their results.
 pub fn schedule_golden(trace: &Trace) -> String {
     Story::schedule(trace).text()
 }

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const ROWS: usize = 24;
 
 impl Story {
-    /// Of a run: what the wires were told, and what it came to.
+    /// Golden of a run's schedule: commands to the wires, and their results.
     pub fn schedule(trace: &Trace) -> Self {
         let mut story = Self::begun(GoldenKind::Schedule, trace);
         let header = &trace.header;
@@ -67,7 +67,7 @@ impl Story {
         story
     }
 
-    /// Of a run: what the compression made of the touch.
+    /// Golden of a run's contacts: the compression's account of the touch.
     pub fn contacts(trace: &Trace) -> Self {
         let mut story = Self::begun(GoldenKind::Contacts, trace);
         story.head.extend(contact_summary(trace));
@@ -116,7 +116,7 @@ fn head<const N: usize>(label: &str, pieces: [String; N]) -> HeadLine {
     }
 }
 
-/// What a Peltier module's face was, if there is one.
+/// Temperatures of a Peltier module's face and sink, if there is one.
 fn face(trace: &Trace) -> Option<HeadLine> {
     let modules = trace.each::<event::Face>();
     let faces = modules.clone().map(|now| now.face_mc);
@@ -142,7 +142,7 @@ fn none() -> String {
     "-".to_owned()
 }
 
-/// As much of a happening as its line shows.
+/// Part of a happening that its line shows.
 fn to_the_line(happening: &Happening) -> Happening {
     let whole_ms = |us: u64| us / 1000 * 1000;
     let mut line = Happening {
@@ -276,7 +276,7 @@ fn contacts(table: &mut Table, trace: &Trace) {
     }));
 }
 
-/// What each wire did.
+/// Fills the table with a row for each wire.
 fn wires(table: &mut Table, trace: &Trace) {
     let length = measure::length_us(trace);
     let all = &trace.header.wires;

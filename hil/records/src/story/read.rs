@@ -1,4 +1,4 @@
-//! A golden's text read back into its story, line by line; what no golden has there is named with its line.
+//! A golden's text read back into its story, line by line; a line that no golden has there is named.
 
 use super::table::Table;
 use super::text::{self, LEDGER};
@@ -38,12 +38,12 @@ impl<'a> Reader<'a> {
         self.take()
     }
 
-    /// Where the reader stands, wanting something else.
+    /// Damage at the next line, where something else is expected.
     fn wants(&self, expected: &str) -> Damage {
         self.damage(self.next, expected)
     }
 
-    /// The line just taken, wanting something else.
+    /// Damage at the line just taken, where something else is expected.
     fn wanted(&self, expected: &str) -> Damage {
         self.damage(self.next.saturating_sub(1), expected)
     }
@@ -236,7 +236,7 @@ fn headed(reader: &Reader<'_>, story: &Story) -> Result<(), Damage> {
     }
 }
 
-/// The times that a header names; what it lacks is zero.
+/// The times that a header names; a time that it lacks is zero.
 fn timing(head: &[HeadLine]) -> StoryTiming {
     let thousandths_of = |name: &str| {
         let mut pieces = head.iter().flat_map(|line| &line.pieces);
@@ -320,7 +320,7 @@ fn rows(reader: &mut Reader<'_>, table: &mut Table) -> Result<(), Damage> {
     Ok(())
 }
 
-/// How many a list leaves out.
+/// Number of lines that a list leaves out.
 fn more(line: &str) -> Option<u64> {
     let rest = line.trim().strip_prefix(".. and ")?;
     rest.strip_suffix(" more")?.parse().ok()

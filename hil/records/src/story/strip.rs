@@ -95,7 +95,7 @@ impl Row {
     }
 }
 
-/// Which of two marks wins a cell: the rarer and the graver.
+/// Rank of a mark that is to win a cell: the rarer and the graver wins.
 fn rank(mark: u8) -> u16 {
     match mark {
         b' ' | b'.' => 0,

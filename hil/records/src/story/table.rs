@@ -3,25 +3,25 @@
 use super::GoldenKind;
 use std::fmt::Write;
 
-/// What a column is to a comparison.
+/// Role of a column in a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// It names the row.
+    /// The column names the row.
     Key,
-    /// A difference in it is told.
+    /// A difference in the column is told.
     Told,
-    /// It follows from the bursts of the row's wire: a difference is told where these are the same.
+    /// The column follows from the bursts of the row's wire: a difference is told where these are the same.
     Derived,
 }
 
 /// A column: what it says, in which unit, how wide it is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Its name.
+    /// Name of the column.
     pub name: &'static str,
     /// Unit of its cells; empty for counts and names.
     pub unit: &'static str,
-    /// What it is to a comparison.
+    /// Role in a comparison.
     pub role: Role,
     width: usize,
 }
@@ -76,9 +76,9 @@ const POINTS: &[Column] = &[
 /// A table of a golden.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// Its columns.
+    /// Columns of the table.
     pub columns: &'static [Column],
-    /// Its rows, a cell a column; no cell has a space.
+    /// Rows of the table, a cell a column; no cell has a space.
     pub rows: Vec<Vec<String>>,
     /// Rows that are counted and not listed.
     pub untold: u64,
@@ -108,12 +108,12 @@ impl Table {
         }
     }
 
-    /// Its heading as a line.
+    /// Heading of the table as a line.
     pub(super) fn heading(&self) -> String {
         self.line(|column| column.heading())
     }
 
-    /// One of its rows as a line.
+    /// A row of the table as a line.
     pub(super) fn row(&self, cells: &[String]) -> String {
         let mut cells = cells.iter();
         self.line(|_| cells.next().cloned().unwrap_or_default())

@@ -28,7 +28,7 @@ impl Text {
         self.lines += 1;
     }
 
-    /// How many of a list have no line.
+    /// Writes the number of a list's items that have no line.
     fn more(&mut self, count: u64) {
         if count > 0 {
             self.put(&format!("  .. and {count} more"));
@@ -143,7 +143,7 @@ pub(super) fn bursts_heading(all: u64, tau_d_us: u64) -> String {
     format!("bursts: {all}; onset [us], +length [us] where it is not {tau_d} ms, wire:ticks")
 }
 
-/// When a burst begins and, where it is not tau_d, for how long it lasts; all microseconds.
+/// Start of a burst and, where it is not tau_d, its length; all microseconds.
 pub(super) fn onset((from_us, to_us): (u64, u64), tau_d_us: u64) -> String {
     let length = to_us - from_us;
     if length == tau_d_us {

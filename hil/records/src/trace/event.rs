@@ -1,4 +1,4 @@
-//! What happens in a run: an event is one of these.
+//! Events of a run.
 
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Instant, Point};
@@ -14,7 +14,7 @@ pub struct PlaceUm {
 }
 
 impl From<Point> for PlaceUm {
-    /// Of a place in millimetres, rounded.
+    /// Converts a place in millimetres, rounded.
     fn from(p: Point) -> Self {
         let um = |mm: f32| (f64::from(mm) * 1e3).round() as i32;
         Self {
@@ -24,21 +24,21 @@ impl From<Point> for PlaceUm {
     }
 }
 
-/// What a person meets of an onset: where, by the two centroids, and how far over threshold.
+/// Stimulus of an onset at the finger: place by the two centroids, and level over threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FeltAt {
     /// Mean of the wires' places weighted by energy.
     pub energy: PlaceUm,
-    /// The same weighted by amplitude.
+    /// Mean of the wires' places weighted by amplitude.
     pub amplitude: PlaceUm,
-    /// How far over threshold all wires together are, thousandths of a decibel.
+    /// Level of all wires together over threshold, thousandths of a decibel.
     pub level_mdb: i32,
-    /// Whether the stimulus is so short that it feels like a tap.
+    /// `true` for a stimulus so short that it feels like a tap.
     pub tap: bool,
 }
 
 impl FeltAt {
-    /// Whether it is felt: the level is not below 0 dB.
+    /// Tells whether the stimulus is felt: the level is not below 0 dB.
     pub const fn is_felt(&self) -> bool {
         self.level_mdb >= 0
     }
@@ -47,12 +47,12 @@ impl FeltAt {
 /// Energy of an onset in thousandths of one wire's at full drive for the same level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct EnergyPermille {
-    /// By the widths that the illusion asked for.
+    /// Energy by the widths that the illusion asked for.
     pub requested: u32,
-    /// By the widths that the guard applied.
+    /// Energy by the widths that the guard applied.
     pub applied: u32,
-    /// By the wires' motion, as the filter of a person's skin lets it through; that of one wire alone and from rest is a
-    /// thousand.
+    /// Energy by the wires' motion, as the filter of a person's skin lets
+    /// it through; that of one wire alone and from rest is a thousand.
     pub felt: u32,
 }
 
@@ -90,7 +90,7 @@ pub struct Contact {
     pub members: u32,
 }
 
-/// Where something truly touched the skin at the frame's time (emulated skins know).
+/// True place of a touch on the skin at the frame's time (emulated skins know).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Truth {
     /// End of the scan.
@@ -104,7 +104,7 @@ pub struct Truth {
 /// A board's PRE_SCALE was set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PreScale {
-    /// When.
+    /// Time of the change, microseconds.
     pub t_us: u64,
     /// Board.
     pub board: u8,
@@ -115,18 +115,18 @@ pub struct PreScale {
 /// Every output of a board was switched off at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct AllOff {
-    /// When.
+    /// Time of the all-off, microseconds.
     pub t_us: u64,
     /// Board.
     pub board: u8,
-    /// Why, one word or a few with hyphens.
+    /// Cause, one word or a few with hyphens.
     pub cause: &'static str,
 }
 
 /// An output changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Edge {
-    /// When, nanoseconds.
+    /// Time of the edge, nanoseconds.
     pub t_ns: u64,
     /// Board.
     pub board: u8,
@@ -136,28 +136,28 @@ pub struct Edge {
     pub high: bool,
 }
 
-/// What a person would feel of one onset.
+/// Sensation of a person at one onset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Felt {
-    /// The onset.
+    /// Time of the onset, microseconds.
     pub t_us: u64,
-    /// Where the contact was, mapped to the display.
+    /// Place of the contact, mapped to the display.
     pub target: PlaceUm,
-    /// Whether that place lies inside the display's hull.
+    /// `true` where that place lies inside the display's hull.
     pub inside: bool,
-    /// What is met of it, felt or not; `None` where no wire moved.
+    /// Stimulus at the finger, felt or not; `None` where no wire moved.
     pub met: Option<FeltAt>,
     /// Energy of all wires together.
     pub energy: EnergyPermille,
 }
 
 impl Felt {
-    /// Whether anything of it is felt.
+    /// Tells whether anything of the onset is felt.
     pub fn is_felt(&self) -> bool {
         self.met.is_some_and(|met| met.is_felt())
     }
 
-    /// Whether the contact lies inside the display and nothing is felt.
+    /// Tells whether the contact lies inside the display and nothing is felt.
     pub fn is_break(&self) -> bool {
         self.inside && !self.is_felt()
     }
@@ -166,7 +166,7 @@ impl Felt {
 /// A temperature at a wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Temperature {
-    /// When.
+    /// Time of the temperature, microseconds.
     pub t_us: u64,
     /// Wire index in the display's layout.
     pub wire: u16,
@@ -177,15 +177,15 @@ pub struct Temperature {
 /// A Peltier module under the fingertip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Face {
-    /// When.
+    /// Time of the temperatures, microseconds.
     pub t_us: u64,
-    /// Its face on the skin, thousandths of a degree Celsius.
+    /// Temperature of the face on the skin, thousandths of a degree Celsius.
     pub face_mc: i32,
-    /// What the face is to be now, thousandths of a degree Celsius; `None` while nothing is driven.
+    /// Temperature that the control aims at now, thousandths of a degree Celsius; `None` while nothing is driven.
     pub aim_mc: Option<i32>,
-    /// Its sink, thousandths of a degree Celsius.
+    /// Temperature of the sink, thousandths of a degree Celsius.
     pub sink_mc: i32,
-    /// Its current, mA; positive cools the face.
+    /// Current through the module, mA; positive cools the face.
     pub milliamps: i32,
 }
 
@@ -194,7 +194,7 @@ pub struct Face {
 pub struct Joint {
     /// End of the scan.
     pub t_us: u64,
-    /// Which of the header's joints.
+    /// Index among the header's joints.
     pub joint: u16,
     /// Thousandths of a degree.
     pub milli_deg: i32,
@@ -207,7 +207,7 @@ pub struct Latent {
     pub t_us: u64,
     /// The latent vector z, thousandths.
     pub z_milli: Vec<i32>,
-    /// How rough that is, thousandths.
+    /// Roughness of that vector, thousandths.
     pub rough_permille: u16,
     /// f_PWM of (3.2), millihertz.
     pub rate_mhz: u32,
@@ -216,7 +216,7 @@ pub struct Latent {
 /// Anything worth a line: a fault, a taxel left out, a degraded bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Note {
-    /// When.
+    /// Time of the line, microseconds.
     pub t_us: u64,
     /// The line.
     pub text: String,
@@ -229,7 +229,7 @@ pub enum Event {
     Frame(Frame),
     /// A contact the compression found in that frame.
     Contact(Contact),
-    /// Where something truly touched the skin at the frame's time.
+    /// True place of a touch on the skin at the frame's time.
     Truth(Truth),
     /// A channel was given a pulse train, or refused one. The end of one is its `until`; it makes no event.
     Schedule(#[serde(serialize_with = "plain")] Entry),
@@ -239,7 +239,7 @@ pub enum Event {
     AllOff(AllOff),
     /// An output changed.
     Edge(Edge),
-    /// What a person would feel of one onset.
+    /// Sensation of a person at one onset.
     Felt(Felt),
     /// Temperature of a wire.
     Wire(Temperature),
@@ -284,7 +284,7 @@ impl Event {
         Self::Note(Note { t_us, text })
     }
 
-    /// When it happened, nanoseconds.
+    /// Time of the event, nanoseconds.
     pub fn t_ns(&self) -> u64 {
         let t_us = match self {
             Self::Edge(e) => return e.t_ns,
@@ -305,9 +305,9 @@ impl Event {
     }
 }
 
-/// What an event of one variant holds.
+/// Content of the events of one variant.
 pub trait EventKind: Sized {
-    /// That of this event; `None` of another variant's.
+    /// Content of this event; `None` for an event of another variant.
     fn of(event: &Event) -> Option<&Self>;
 }
 

@@ -17,13 +17,13 @@ use rp2040_hal::adc::AdcChannel;
 
 /// Steps of the PWM: 30.5 kHz at 125 MHz.
 pub const STEPS: u16 = 4096;
-/// What all steps give at CTLI, mV.
+/// Voltage at CTLI with all steps, mV.
 const SUPPLY_MV: i32 = 3300;
-/// What means no current there, mV, in steps.
+/// Steps that give 1500 mV at CTLI, which means no current.
 const NOTHING: i32 = (1500 * STEPS as i32 + SUPPLY_MV / 2) / SUPPLY_MV;
 /// R_SENSE, milliohms.
 const SENSE_MOHM: i32 = 50;
-/// What all steps would come to, mA.
+/// Change of the current over all steps, mA.
 const ALL_MA: i32 = SUPPLY_MV * 1000 / (10 * SENSE_MOHM);
 /// Conversions per reading: the converter's noise is above a step of it.
 const CONVERSIONS: u16 = 8;

@@ -7,7 +7,7 @@
 use embedded_hal::i2c::{self, ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use palpate_image::Register;
 
-/// Registers of I2C0 (RP2040 data sheet, 4.3.17): raw interrupts, why a transfer was given up, and two that clear when read.
+/// Registers of I2C0 (RP2040 data sheet, 4.3.17): raw interrupts, the source of an abort, and two that clear when read.
 const RAW: Register = Register(0x4004_4034);
 const GIVEN_UP: Register = Register(0x4004_4080);
 const CLEAR_GIVEN_UP: Register = Register(0x4004_4054);

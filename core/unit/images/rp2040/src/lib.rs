@@ -16,7 +16,7 @@ use palpate_core::units::Instant;
 use palpate_image::{Arena, Processor, Register};
 use rp2040_hal::Watchdog;
 
-/// What the unit is built in: the guard takes most of it.
+/// Heap in which the unit is built: the guard takes most of it.
 #[global_allocator]
 pub static HEAP: Arena<{ 6 * 1024 }> = Arena::new();
 

@@ -63,7 +63,7 @@ impl Serial {
         }
     }
 
-    /// Moves bytes on; the length of a packet that came.
+    /// Moves bytes on; returns the length of a packet that came.
     fn poll(&mut self) -> Option<usize> {
         self.device.poll(&mut [&mut self.port]);
         let unsent = &mut self.outgoing.unsent;

@@ -1,4 +1,4 @@
-//! What is burnt into this unit: two fingertips of eight wires, and a Peltier module.
+//! Settings burnt into this unit: two fingertips of eight wires, and a Peltier module.
 
 use palpate_core::guard::{HARD, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
@@ -20,10 +20,10 @@ const LIMITS: Limits = Limits {
     ..HARD
 };
 
-/// Whether a Peltier module is wired.
+/// `true` where a Peltier module is wired.
 const MODULE: bool = true;
 
-/// What regulates the module, if there is one: 10 kOhm thermistors, B 3950 K, under 10 kOhm.
+/// Regulator of the module, if there is one: 10 kOhm thermistors, B 3950 K, under 10 kOhm.
 pub fn regulator() -> Option<Regulator> {
     MODULE.then(|| Regulator::new(PeltierParameters::default(), Thermistor::default()))
 }

@@ -19,7 +19,7 @@ pub struct Incoming {
 }
 
 impl Incoming {
-    /// Before the first byte.
+    /// State before the first byte.
     pub const fn new() -> Self {
         Self {
             packet: [0; PACKET],
@@ -28,7 +28,7 @@ impl Incoming {
         }
     }
 
-    /// The next byte of the line; the length of a packet that it ends. See [`Self::packet`].
+    /// Takes the next byte of the line; returns the length of a packet that it ends. See [`Self::packet`].
     pub fn byte(&mut self, byte: u8) -> Option<usize> {
         let escaped = core::mem::take(&mut self.escaped);
         let byte = match (escaped, byte) {
@@ -58,7 +58,7 @@ impl Incoming {
     }
 }
 
-/// Puts a packet on a line; how many bytes it takes there.
+/// Puts a packet on a line; returns the number of bytes that it takes there.
 pub fn encode(packet: &[u8], line: &mut [u8; LINE]) -> usize {
     let mut length = 0;
     let mut put = |byte| {

@@ -12,25 +12,25 @@ pub const ANSWER: usize = 9 + 16 * 12 + 14 * MOST;
 /// Most stimuli of a question.
 const MOST: usize = 16;
 
-/// What a guard is asked to do at a time.
+/// Request to a guard at a time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question<'a> {
     /// A reading was received.
     Hear,
     /// The watchdog's look.
     Watch,
-    /// What is over on a board ends.
+    /// Stimuli of a board that are over end.
     Expire(Board),
-    /// Stimuli of a board, at most sixteen: wire, width, how long.
+    /// Change of a board's stimuli, at most sixteen: wire, width, length.
     Change(Board, &'a [(u16, Ticks, Duration)]),
-    /// Everything off, and latched.
+    /// Switch everything off, and latch.
     Stop,
-    /// The way back.
+    /// The guard's reset after a stop.
     Reset,
 }
 
 impl Question<'_> {
-    /// Writes it; the bytes.
+    /// Writes the question; returns its bytes.
     pub fn write<'o>(&self, at: Instant, out: &'o mut [u8; QUESTION]) -> &'o [u8] {
         let none: &[(u16, Ticks, Duration)] = &[];
         let (number, board, stimuli) = match self {

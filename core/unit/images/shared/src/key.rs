@@ -1,4 +1,4 @@
-//! What is burnt into an image: its key from text, and the usual layout of its wires.
+//! Constants burnt into an image: its key from text, and the usual layout of its wires.
 
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel, Point};

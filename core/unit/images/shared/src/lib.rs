@@ -1,5 +1,5 @@
-//! What firmware images of the driver unit share. What belongs here is the same on every processor; what a processor
-//! alone has, such as its watchdog, its timer and its network, stands in the package of its image.
+//! Parts that firmware images of the driver unit share, the same on every processor. Watchdog, timer and network differ
+//! by processor and stand in the package of its image.
 //!
 //! [`serve`] is the program of an image. [`Arena`] is its heap, which closes once the unit is built. [`rig`] is the bench
 //! of an image that runs in QEMU: emulated chips in another process, reached by semihosting. [`udp`] is a network over any card.

@@ -6,13 +6,13 @@
 pub struct Register(pub usize);
 
 impl Register {
-    /// Its value.
+    /// Value of the register.
     pub fn read(self) -> u32 {
         // SAFETY: images name registers of their machine alone, or memory that no variable has.
         unsafe { (self.0 as *const u32).read_volatile() }
     }
 
-    /// Sets it.
+    /// Sets the register.
     pub fn write(self, value: u32) {
         // SAFETY: as above; no register that an image writes starts a transfer into memory.
         unsafe { (self.0 as *mut u32).write_volatile(value) }

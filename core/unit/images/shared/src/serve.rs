@@ -8,7 +8,7 @@ use palpate_unit::{Datagrams, Module, Unit};
 /// Longest rest: half of the hardware watchdog's first 20 ms.
 const REST: Duration = Duration::from_millis(10);
 
-/// What a processor gives to the program: time, rest and a watchdog.
+/// Services of a processor to the program: time, rest and a watchdog.
 pub trait Processor {
     /// Time since the start. It never goes back.
     fn now(&self) -> Instant;
@@ -26,7 +26,7 @@ pub trait Processor {
 pub struct Awake<P> {
     /// The machine.
     pub machine: P,
-    /// Counts for so many nanoseconds.
+    /// Function that counts for this many nanoseconds.
     pub count: fn(u64),
 }
 
@@ -46,7 +46,7 @@ impl<P: Processor> Processor for Awake<P> {
 
 /// A network whose datagrams the processor may have to look for.
 pub trait Link: Datagrams {
-    /// When to look for datagrams; at once if some wait.
+    /// Time at which to look for datagrams; at once if some wait.
     fn next(&mut self) -> Option<Instant>;
 }
 

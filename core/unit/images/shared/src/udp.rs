@@ -18,10 +18,10 @@ pub const GUEST: Ipv4Cidr = Ipv4Cidr::new(Ipv4Address::new(10, 0, 2, 15), 24);
 
 /// A network card of a processor.
 pub trait Card: Device {
-    /// Its address on the network.
+    /// Address of the card on the network.
     fn address(&self) -> HardwareAddress;
 
-    /// Whether something waits in it.
+    /// Tells whether something waits in the card.
     fn is_waiting(&self) -> bool;
 }
 
@@ -35,11 +35,11 @@ pub struct Memory {
 
 /// Bytes of the same datagrams, in a static of their own, which then takes no flash.
 pub type Bytes = ([u8; 2 * MOST], [u8; MOST]);
-/// The same, unused.
+/// Bytes for a socket that is not used yet.
 pub const NO_BYTES: Bytes = ([0; 2 * MOST], [0; MOST]);
 
 impl Memory {
-    /// Unused.
+    /// Memory of a socket that is not used yet.
     pub const fn new() -> Self {
         Self {
             sockets: [SocketStorage::EMPTY],

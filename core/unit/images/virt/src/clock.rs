@@ -15,8 +15,8 @@ const ALARM: [Register; 2] = [Register(0x0200_4000), Register(0x0200_4004)];
 /// Writing [`RESET`] here resets the machine.
 const FINISH: Register = Register(0x0010_0000);
 const RESET: u32 = 0x7777;
-/// What the clock has counted, and its complement, in memory that the image is not linked to: after a reset it goes on, and
-/// with it the rig's chips, which were not reset.
+/// Count of the clock, and its complement, in memory that the image is not linked to. After a reset the count goes on,
+/// and with it the rig's chips, which were not reset.
 const COUNTED: [Register; 4] = [
     Register(0x8040_0000),
     Register(0x8040_0004),
@@ -32,7 +32,7 @@ const INSTRUCTION_NS: u64 = 8;
 /// The machine's clock, alarm and watchdog.
 #[derive(Debug)]
 pub struct Machine {
-    /// When the watchdog bites, by the timer.
+    /// Time at which the watchdog bites, by the timer.
     bites: u64,
 }
 
@@ -57,7 +57,7 @@ fn set_alarm(at: u64) {
     ALARM[0].write(at as u32);
 }
 
-/// What was counted before the last reset; it is written down after each look at the clock.
+/// Count of the clock before the last reset; it is written down after each look at the clock.
 static mut BEFORE: u64 = 0;
 
 fn before() -> u64 {
@@ -79,7 +79,7 @@ pub fn now_ns() -> u64 {
     ticks() * (1000 / TICKS_PER_US)
 }
 
-/// The same as the unit counts it.
+/// Time since power-on as the unit counts it.
 pub fn now() -> Instant {
     Instant::from_micros(ticks() / TICKS_PER_US)
 }
@@ -101,7 +101,7 @@ fn bite() {
 }
 
 impl Machine {
-    /// Starts them, the watchdog first.
+    /// Starts clock, alarm and watchdog, the watchdog first.
     pub(crate) fn start() -> Self {
         let mut machine = Self { bites: 0 };
         machine.feed();
@@ -119,7 +119,7 @@ impl Machine {
         machine
     }
 
-    /// What a measurement counts: nanoseconds of instructions.
+    /// Count for measurements: nanoseconds of instructions.
     pub fn ticks() -> u32 {
         mcycle::read() as u32
     }

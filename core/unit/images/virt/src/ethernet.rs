@@ -13,7 +13,7 @@ use virtio_drivers::device::net::VirtIONetRaw;
 use virtio_drivers::transport::mmio::{MmioTransport, VirtIOHeader};
 use virtio_drivers::{BufferDirection, Hal, PAGE_SIZE, PhysAddr};
 
-/// Where the card's registers are.
+/// Address of the card's registers.
 const CARD: usize = 0x1000_1000;
 const CARD_LENGTH: usize = 0x1000;
 /// Bit 0: the card has used a buffer.
@@ -30,7 +30,7 @@ const BUFFER: usize = 1526;
 /// Longest frame without its check sequence.
 const FRAME: usize = 1514;
 
-/// Where the next page of the card's memory is.
+/// Address of the next page of the card's memory.
 static PAGES: AtomicUsize = AtomicUsize::new(MEMORY);
 
 fn pages(count: usize) -> NonNull<u8> {
@@ -88,10 +88,10 @@ pub struct Ethernet {
 }
 
 impl Ethernet {
-    /// Switches it on.
+    /// Switches the card on.
     ///
     /// # Panics
-    /// On a machine without it.
+    /// On a machine without the card.
     pub fn start() -> Self {
         PRIORITY.write(1);
         ENABLE.write(1 << INTERRUPT);
@@ -111,13 +111,13 @@ impl Ethernet {
         }
     }
 
-    /// A frame that comes from now on ends the processor's rest.
+    /// Lets a frame that comes from now on end the processor's rest.
     pub fn listen() {
         // SAFETY: a rest takes no interrupt.
         unsafe { mie::set_mext() };
     }
 
-    /// The processor's rest is over.
+    /// Lets frames end no rest any more.
     pub fn ignore() {
         // SAFETY: as above.
         unsafe { mie::clear_mext() };
@@ -125,12 +125,12 @@ impl Ethernet {
         CLAIM.write(CLAIM.read());
     }
 
-    /// Whether the card has something to say.
+    /// Tells whether the card has used a buffer.
     pub fn is_waiting() -> bool {
         USED.read() & 1 != 0
     }
 
-    /// Takes the oldest frame; where it lies in the buffer.
+    /// Takes the oldest frame; returns its place in the buffer.
     fn take(&mut self) -> Option<(usize, usize)> {
         // Before the look: a frame that comes afterwards is said again.
         self.driver.ack_interrupt();

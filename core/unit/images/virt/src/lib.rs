@@ -13,7 +13,7 @@ use palpate_image::{Arena, burnt_key};
 
 /// The key, burnt in.
 pub static KEY: [u8; 32] = burnt_key!();
-/// What the unit is built in: the guard takes most of it.
+/// Heap in which the unit is built: the guard takes most of it.
 #[global_allocator]
 pub static HEAP: Arena<{ 6 * 1024 }> = Arena::new();
 
@@ -50,7 +50,7 @@ fn failed(_: &core::panic::PanicInfo<'_>) -> ! {
     clock::reset()
 }
 
-/// As does one that met an exception.
+/// A program that met an exception begins anew, with everything off.
 #[unsafe(export_name = "ExceptionHandler")]
 fn exception(_: &riscv_rt::TrapFrame) -> ! {
     clock::reset()

@@ -6,7 +6,7 @@ use std::io;
 use super::super::told::{Told, Topic};
 use super::{Contents, Counted, McapReader, Read, Unreadable};
 
-/// What a recording says of its run.
+/// Topics of a run and their messages that wait.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Run {
     pub(super) topics: BTreeMap<u16, Topic>,
@@ -17,17 +17,17 @@ impl<R: io::Read> McapReader<R> {
     /// Begins to read a recording of a run for what happened in it.
     ///
     /// # Errors
-    /// As [`McapReader::new`].
+    /// The errors of [`McapReader::new`].
     pub fn of_run(input: R) -> Result<Self, Unreadable> {
         let mut reader = Self::new(input)?;
         reader.contents.run = Some(Run::default());
         Ok(reader)
     }
 
-    /// What the run says next, in the order of the file; none at its end, and where frames are read.
+    /// Next message of the run, in the order of the file; `None` at the run's end, and where frames are read.
     ///
     /// # Errors
-    /// As [`super::read`], and a record of more than 16 MiB.
+    /// The errors of [`super::read`], and a record of more than 16 MiB.
     pub fn told(&mut self) -> Result<Option<Told>, Unreadable> {
         loop {
             let Some(run) = &mut self.contents.run else {
@@ -51,14 +51,14 @@ impl<R: io::Read> McapReader<R> {
         (!waits && !self.ended).then_some(self.input.offset)
     }
 
-    /// What the file says beside frames, so far.
+    /// Content of the file beside frames, so far.
     #[must_use]
     pub const fn so_far(&self) -> &Read {
         &self.contents.read
     }
 
-    /// The same recording through another input, whose next byte is `offset`, between two records: what was learnt of
-    /// its topics stays.
+    /// Reads the same recording on through another input, whose next byte
+    /// is `offset`, between two records. The topics learnt so far stay.
     #[must_use]
     pub fn resumed<S: io::Read>(&self, input: S, offset: u64) -> McapReader<S> {
         let run = self.contents.run.as_ref().map(|run| Run {

@@ -1,4 +1,4 @@
-//! What every finger came to, a card each.
+//! Cards of a hand's fingers: results of each.
 
 use std::fmt::Write;
 
@@ -13,10 +13,10 @@ use crate::report::svg::escape;
 use crate::report::tables::meter;
 use crate::trace::{Event, event};
 
-/// So many of a finger's limits stand on its card: those used up most.
+/// Number of a finger's limits on its card: those used up most.
 const LIMITS: usize = 4;
 
-/// All cards.
+/// Writes all cards.
 pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     page.push_str("<h2 class=\"next\">Finger by finger</h2>\n<div class=\"cards\">");
     for finger in hand.fingers {
@@ -87,7 +87,7 @@ fn driven_by(hand: &HandReport<'_>, finger: &FingerReport<'_>) -> String {
     )
 }
 
-/// Rows of a card: what, how much, unit.
+/// Rows of a card: name, value, unit.
 fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str)> {
     let trace = finger.trace;
     let none = || "\u{2013}".to_owned();

@@ -18,12 +18,12 @@ const RIM: f64 = 24.0;
 /// Widths of a drawn finger: the robot's, and one with a thimble, mm.
 const ROBOT: f64 = 27.0;
 const WORN: f64 = 33.0;
-/// What of a finger pads or wires may fill, across and along, mm.
+/// Part of a finger that pads or wires may fill, across and along, mm.
 const ROOM_PADS: (f64, f64) = (23.0, 140.0);
 const ROOM_WIRES: (f64, f64) = (30.0, 46.0);
-/// From the edge of pads or wires to the tip of the finger, mm.
+/// Distance from the edge of pads or wires to the tip of the finger, mm.
 const TIP: f64 = 6.0;
-/// From a fingertip to what is written there, mm.
+/// Distance from a fingertip to its label, mm.
 const LABEL: f64 = 7.0;
 /// Half the length of a wire's mark, mm.
 const BAR: f64 = 2.5;
@@ -54,7 +54,7 @@ impl Span {
         })
     }
 
-    /// What of these millimetres fits into a room; 1 at most.
+    /// Factor by which these millimetres fit into a room; 1 at most.
     fn fit(&self, room: (f64, f64)) -> f64 {
         let part = |size: f64, room: f64| room / size.max(1e-6);
         let (w, h) = (self.high.0 - self.low.0, self.high.1 - self.low.1);
@@ -62,10 +62,10 @@ impl Span {
     }
 }
 
-/// What is drawn on fingers: places of a thing's own plane, which end at the fingertips.
+/// Things drawn on fingers: places of each thing's own plane, which end at the fingertips.
 struct Worn {
     spans: Vec<Option<Span>>,
-    /// Of its millimetres to the hand's, the same for all fingers.
+    /// Factor from the thing's millimetres to the hand's, the same for all fingers.
     fit: f64,
     width: f64,
 }
@@ -77,7 +77,7 @@ impl Worn {
         Self { spans, fit, width }
     }
 
-    /// How long each finger has to be.
+    /// Least length of each finger, mm.
     fn lengths(&self) -> Vec<f64> {
         let long =
             |s: &Option<Span>| s.map_or(0.0, |s| (s.high.1 - s.low.1) * self.fit + 2.0 * TIP);
@@ -277,7 +277,7 @@ fn robot(hand: &HandReport<'_>, drawn: &Hand, pads: &Worn) -> String {
     svg.finish()
 }
 
-/// How many contacts a finger's frames have.
+/// Number of contacts in a finger's frames.
 pub(super) fn contacts(finger: &FingerReport<'_>) -> usize {
     finger.trace.each::<event::Contact>().count()
 }
@@ -323,7 +323,7 @@ fn wearer(hand: &HandReport<'_>, drawn: &Hand, thimbles: &Worn) -> String {
     svg.finish()
 }
 
-/// Both hands with their legends.
+/// Writes both hands with their legends.
 pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     let names: Vec<&str> = hand.fingers.iter().map(|f| f.name).collect();
     let (pads, thimbles) = (pads(hand), thimbles(hand));
@@ -367,7 +367,7 @@ pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     page.push_str("</div>\n");
 }
 
-/// What is not drawn to the hand's scale says so.
+/// Note on things that are not drawn to the hand's scale.
 fn part(worn: &Worn, what: &str) -> String {
     if worn.fit > 0.999 {
         return String::new();

@@ -11,7 +11,7 @@ use crate::trace::{Event, FeltAt, event};
 
 /// Height of a row on the page, pixels.
 const ROW: f64 = 46.0;
-/// Where a row stands, and how high its highest is, in units of the paths.
+/// Base of a row, and height of its highest level, in units of the paths.
 const BASE: i64 = 9_300;
 const TALL: f64 = 8_000.0;
 /// The least full height of a row, dB.
@@ -52,7 +52,7 @@ fn levels(finger: &FingerReport<'_>) -> Vec<(u64, u64, u16)> {
     stays
 }
 
-/// What is felt of onsets inside the display: when, and the level, dB; below 0 is a break.
+/// Felt onsets inside the display: time, microseconds, and level, dB; below 0 is a break.
 fn felt(finger: &FingerReport<'_>) -> Vec<(u64, f64)> {
     let level = |onset: &event::Felt| {
         let level = onset.met.map_or(-1, |met: FeltAt| met.level_mdb);
@@ -65,7 +65,7 @@ fn felt(finger: &FingerReport<'_>) -> Vec<(u64, f64)> {
     inside.map(level).collect()
 }
 
-/// The section; nothing where no finger was touched.
+/// Writes the section; nothing where no finger was touched.
 pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     let touched: Vec<_> = hand.fingers.iter().map(levels).collect();
     let felt: Vec<_> = hand.fingers.iter().map(felt).collect();

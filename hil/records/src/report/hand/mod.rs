@@ -15,39 +15,39 @@ use crate::verdict::Conclusion;
 /// A module of the robot's skin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pad {
-    /// Its name in the layout.
+    /// Name of the module in the layout.
     pub name: String,
-    /// Its centre in the plane of the whole skin, mm.
+    /// Centre of the module in the plane of the whole skin, mm.
     pub place_mm: [f64; 2],
-    /// The taxels that are read, from its centre, mm.
+    /// Places of the taxels that are read, from the module's centre, mm.
     pub taxels_mm: Vec<[f64; 2]>,
 }
 
-/// What a finger came to.
+/// Results of a finger.
 #[derive(Clone, Copy, Debug)]
 pub struct FingerReport<'a> {
-    /// Its display's name.
+    /// Name of the finger's display.
     pub name: &'a str,
-    /// The file of its own page, beside this one.
+    /// File of the finger's own page, beside this one.
     pub file: &'a str,
-    /// Its run: boards and modules by the numbers of bench and skin.
+    /// Run of the finger: boards and modules by the numbers of bench and skin.
     pub trace: &'a Trace,
-    /// Its modules by their numbers in the skin; the first drives unless all are merged.
+    /// Modules of the finger by their numbers in the skin; the first drives unless all are merged.
     pub modules: &'a [usize],
-    /// Whether all its modules drive, as one skin in the plane of all.
+    /// `true` where all modules of the finger drive, as one skin in the plane of all.
     pub merged: bool,
-    /// How it ended.
+    /// Conclusion of the finger's run.
     pub conclusion: &'a Conclusion,
 }
 
 impl FingerReport<'_> {
-    /// Whether contacts of this module drive the display.
+    /// Tells whether contacts of this module drive the display.
     fn drives(&self, module: u16) -> bool {
         self.merged || self.modules.first() == Some(&usize::from(module))
     }
 }
 
-/// What the page of a hand shows.
+/// Content of a hand's page.
 #[derive(Clone, Copy, Debug)]
 pub struct HandReport<'a> {
     /// The run of all fingers.
@@ -56,9 +56,9 @@ pub struct HandReport<'a> {
     pub pads: &'a [Pad],
     /// Every finger, in the bench's order.
     pub fingers: &'a [FingerReport<'a>],
-    /// How the page was made, such as command, date and host: names and values.
+    /// Making of the page, such as command, date and host: names and values.
     pub made: &'a [(&'static str, String)],
-    /// How the run ended.
+    /// Conclusion of the run.
     pub conclusion: &'a Conclusion,
 }
 

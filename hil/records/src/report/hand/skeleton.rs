@@ -1,4 +1,4 @@
-//! Where the fingers of a drawn hand are: a right hand, or a left one, with its palm towards the reader. Millimetres.
+//! Places of the fingers of a drawn hand: a right hand, or a left one, with its palm towards the reader. Millimetres.
 //!
 //! A skin's layout says where modules are in a plane, not how a hand is built. So the hand is drawn after a person's,
 //! by the names of its fingers; names that no hand has stand side by side.
@@ -13,17 +13,17 @@ const ASIDE: (f64, f64) = (0.6, 0.8);
 /// A finger: its axis starts at its base and points to its tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Digit {
-    /// Which of the page's fingers it is.
+    /// Index of the finger among the page's.
     pub finger: usize,
     base: (f64, f64),
     /// The axis's direction, a unit vector.
     axis: (f64, f64),
-    /// From base to tip.
+    /// Length from base to tip.
     pub length: f64,
 }
 
 impl Digit {
-    /// Where a place is that lies `across` to the right of the axis and `along` it from the base.
+    /// Place on the page of a point `across` to the right of the axis and `along` it from the base.
     pub fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
         let (x, y) = self.axis;
         (
@@ -36,9 +36,9 @@ impl Digit {
 /// A hand to be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hand {
-    /// What it is called, such as `left`; empty for the only one.
+    /// Name of the hand, such as `left`; empty for the only one.
     pub name: &'static str,
-    /// Its fingers.
+    /// Fingers of the hand.
     pub digits: Vec<Digit>,
     /// The palm's left, lower, right and upper edge.
     pub palm: [f64; 4],

@@ -1,5 +1,6 @@
-//! The driver unit on a Raspberry Pi Pico: SDA on GPIO 4, SCL on GPIO 5, the chips' OE on GPIO 6, datagrams over USB. Of a
-//! Peltier module: the bridge's SHDN on GPIO 7, its CTLI on GPIO 8, thermistors of face and sink on GPIO 26 and 27.
+//! The driver unit on a Raspberry Pi Pico: SDA on GPIO 4, SCL on GPIO 5, the chips'
+//! OE on GPIO 6, datagrams over USB. A Peltier module has the bridge's SHDN on GPIO
+//! 7, its CTLI on GPIO 8, and thermistors of face and sink on GPIO 26 and 27.
 #![no_std]
 #![no_main]
 

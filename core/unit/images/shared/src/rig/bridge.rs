@@ -16,14 +16,14 @@ pub struct Gone;
 pub struct Bridge<'r, W, C>(&'r Rig<W, C>);
 
 impl<'r, W: Wires, C: Fn() -> u64> Bridge<'r, W, C> {
-    /// That of a rig, if it has one.
+    /// Bridge of a rig, if it has one.
     pub fn of(rig: &'r Rig<W, C>) -> Option<Self> {
         let asked = rig.ask((Kind::Sensors, 0), &[], &mut [0; 4]);
         let has = asked.is_some_and(|(_, outcome, _)| outcome == Outcome::Done);
         has.then_some(Self(rig))
     }
 
-    /// The bridge gives this for so long.
+    /// Lets the bridge give this current for this length.
     fn give(&self, milliamps: i32, length: Duration) -> Result<(), Gone> {
         let us = u32::try_from(length.as_micros()).unwrap_or(u32::MAX);
         let told = [&milliamps.to_le_bytes()[..], &us.to_le_bytes()];

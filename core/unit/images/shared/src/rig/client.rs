@@ -42,7 +42,8 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
         }
     }
 
-    /// One question; the answer's time, outcome and how many of its bytes are in `reply`. `None` if the rig is gone.
+    /// Asks one question; returns the answer's time, its outcome and
+    /// how many of its bytes are in `reply`. `None` if the rig is gone.
     pub(super) fn ask(
         &self,
         (kind, argument): (Kind, u8),
@@ -83,13 +84,13 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
         u64::from_le_bytes(number)
     }
 
-    /// The next question to a guard; its length.
+    /// Reads the next question to a guard; returns its length.
     pub fn question(&self, question: &mut [u8]) -> Option<usize> {
         let (_, outcome, length) = self.ask((Kind::Ask, 0), &[], question)?;
         (outcome == Outcome::Done).then_some(length)
     }
 
-    /// What the guard answered, and what the clock counted meanwhile.
+    /// Tells the rig the guard's answer, and how far the clock counted meanwhile.
     pub fn tell(&self, took: u32, answer: &[u8]) {
         let _ = self.ask((Kind::Tell, 0), &[&took.to_le_bytes(), answer], &mut []);
     }

@@ -37,36 +37,36 @@ pub const QUESTIONS: &core::ffi::CStr = c"questions";
 /// Name of the pipe that carries answers.
 pub const ANSWERS: &core::ffi::CStr = c"answers";
 
-/// What an image asks.
+/// Question of an image to its rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
-    /// First of all: a number that no start had before, 8 bytes.
+    /// Asks first of all for a number that no start had before, 8 bytes.
     Boot,
-    /// The OE line has this level now.
+    /// Sets the level of the OE line.
     Oe,
     /// A transfer with this address.
     Transfer,
-    /// Is there a datagram?
+    /// Asks for a datagram that waits.
     Receive,
-    /// Here is one.
+    /// Sends a datagram.
     Send,
-    /// What does the guard have to decide?
+    /// Asks for the next question to the guard.
     Ask,
-    /// It decided so: what the clock counted, 4 bytes, and the answer.
+    /// Tells the guard's answer: how far the clock counted, 4 bytes, and the answer.
     Tell,
     /// A signal on the bus, for a machine that has an I2C controller of its own: a [`Signal`] with its byte. The answer is a
     /// byte that was read, or 1 for an acknowledgement.
     Signal,
-    /// What do both thermistors of the Peltier module say? The answer's time is that of the conversion; 2 bytes per code, the
-    /// face's first. Nothing there: the rig has no module.
+    /// Asks for the codes of both thermistors of the Peltier module. The answer's time is that of the conversion; 2
+    /// bytes per code, the face's first. [`Outcome::Nothing`] says that the rig has no module.
     Sensors,
-    /// The bridge has this current from now on: mA in 4 bytes, signed, positive where it cools; and for how long in us, 4
-    /// bytes, after which it lets go by itself.
+    /// Sets the bridge's current from now on: mA in 4 bytes, signed, positive where it cools; and its length in us, 4
+    /// bytes, after which the bridge lets go by itself.
     Bridge,
 }
 
-/// What a controller does on the bus.
+/// Signal of a controller on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Signal {
@@ -74,7 +74,7 @@ pub enum Signal {
     Start,
     /// A byte to the chip.
     Write,
-    /// A byte from it.
+    /// A byte from the chip.
     Read,
     /// STOP.
     Stop,
@@ -101,7 +101,7 @@ impl Kind {
     ];
 }
 
-/// What became of it.
+/// Outcome of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Outcome {
@@ -117,7 +117,7 @@ pub enum Outcome {
     Failed,
     /// The clock line is held low for ever: the transfer never ends.
     Stuck,
-    /// Nothing there.
+    /// The thing that was asked for is not there.
     Nothing,
 }
 
@@ -147,7 +147,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// Its bytes.
+    /// Bytes of the head.
     pub fn bytes(&self) -> [u8; HEAD] {
         let mut bytes = [0; HEAD];
         bytes[..8].copy_from_slice(&self.ns.to_le_bytes());
@@ -156,7 +156,7 @@ impl Head {
         bytes
     }
 
-    /// From its bytes.
+    /// Reads a head from its bytes.
     pub fn read(bytes: &[u8; HEAD]) -> Self {
         let [a, b, c, d, e, f, g, h, what, argument, low, high] = *bytes;
         Self {
@@ -167,12 +167,12 @@ impl Head {
         }
     }
 
-    /// What was asked, if it is a question.
+    /// Kind of a question; `None` for a number that no kind has.
     pub fn kind(&self) -> Option<Kind> {
         Kind::ALL.get(usize::from(self.what)).copied()
     }
 
-    /// What became of it, if it is an answer.
+    /// Outcome of an answer; `None` for a number that no outcome has.
     pub fn outcome(&self) -> Option<Outcome> {
         Outcome::ALL.get(usize::from(self.what)).copied()
     }

@@ -10,7 +10,7 @@ use super::{ANSWERS, QUESTIONS, Wires};
 pub struct Pipes(Option<(OwnedFd, OwnedFd)>);
 
 impl Pipes {
-    /// Opens them.
+    /// Opens both pipes.
     pub fn open() -> Self {
         let questions = sys_open(QUESTIONS, OpenMode::WRONLY_TRUNC_BINARY);
         let answers = sys_open(ANSWERS, OpenMode::RDONLY_BINARY);

@@ -14,9 +14,9 @@ use crate::{ANSWER, Arena, Processor, QUESTION, answer, fingertips, serve};
 
 /// The wires of a unit over the rig: two fingertips of eight.
 pub static WIRES: [DisplayWire; 16] = fingertips(8);
-/// 7-bit addresses of its boards.
+/// 7-bit addresses of the unit's boards.
 pub const ADDRESSES: [u8; 2] = [0x40, 0x41];
-/// Its limits: a supply of 3 A, else the hard ones.
+/// Limits of the unit: a supply of 3 A, else the hard ones.
 pub const LIMITS: Limits = Limits {
     supply: Milliamps(3000),
     ..HARD
@@ -61,7 +61,8 @@ pub fn unit<'r, W: Wires, C: Fn() -> u64, L: Link, const HEAP: usize>(
     serve(unit, processor, &mut link)
 }
 
-/// The same with the rig's network: all of its time is virtual, and every run of it is the same.
+/// Serves a unit, as [`unit`] does, over the rig's network: all
+/// of its time is virtual, and every run of it is the same.
 pub fn lockstep<W: Wires, C: Fn() -> u64, const HEAP: usize>(
     rig: &Rig<W, C>,
     heap: &Arena<HEAP>,
@@ -74,7 +75,7 @@ pub fn lockstep<W: Wires, C: Fn() -> u64, const HEAP: usize>(
 /// The unit's guard alone, questioned by the rig for ever: its decisions, and what they cost by `ticks`.
 ///
 /// # Panics
-/// As [`unit`].
+/// The panics of [`unit`].
 #[allow(
     clippy::panic,
     reason = "a panic of an image is a reset, with everything off"
