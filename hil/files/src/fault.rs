@@ -106,38 +106,6 @@ kinds! {
     BridgeShorted = "bridge-shorted" [] [],
 }
 
-impl FaultKind {
-    /// Whether it is done to the display's side: boards, their bus, amplifiers, wires.
-    #[must_use]
-    pub const fn is_of_display(self) -> bool {
-        use FaultKind as K;
-        matches!(
-            self,
-            K::I2cAddressNack
-                | K::I2cDataNack
-                | K::I2cArbitrationLoss
-                | K::I2cEio
-                | K::I2cStretch
-                | K::I2cStuck
-                | K::BrownOut
-                | K::Oscillator
-                | K::ClockStopped
-                | K::AmplifierStuckOn
-                | K::OpenWire
-                | K::ConverterDead
-                | K::ConverterBrownOut
-                | K::ConverterStuck
-                | K::ConverterFlipped
-                | K::LinkOutage
-                | K::LinkRough
-                | K::FaceSensorOpen
-                | K::FaceSensorShort
-                | K::FaceSensorStale
-                | K::BridgeShorted
-        )
-    }
-}
-
 /// One fault.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -194,6 +162,12 @@ impl FaultKind {
     #[must_use]
     pub fn is_of_sensors(self) -> bool {
         self < Self::I2cAddressNack
+    }
+
+    /// Whether it is done to the display's side: boards, their bus, amplifiers, wires.
+    #[must_use]
+    pub fn is_of_display(self) -> bool {
+        !self.is_of_sensors()
     }
 }
 
