@@ -4,31 +4,23 @@
 //! that are not generic. A list is no table, and a table no word, whatever else serde could make of them.
 
 use std::cell::RefCell;
-use std::fmt::{Display, Write};
+use std::fmt::Write;
 
 use serde::Deserializer;
 use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, DeserializeSeed, Error, Expected, Unexpected, Visitor};
-use serde::de::{MapAccess, SeqAccess};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Error, Expected, MapAccess, SeqAccess, Visitor,
+};
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-/// What does not fit, in serde's words.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub(super) struct Misfit(String);
+use super::wording::Misfit;
 
-impl Error for Misfit {
-    fn custom<T: Display>(what: T) -> Self {
-        Self(what.to_string())
-    }
-}
-
-/// A type from a value; else the key of what does not fit, and serde's words for it.
-pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, (String, String)> {
+/// A type from a value; else the key of what does not fit, and what was expected.
+pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, (String, Misfit)> {
     let key = RefCell::new(String::new());
     let read = T::deserialize(At { value, key: &key });
-    read.map_err(|Misfit(what)| (key.into_inner(), what))
+    read.map_err(|misfit| (key.into_inner(), misfit))
 }
 
 /// The plain values of a text; else the key of a number that no machine holds, and what was expected there.
@@ -100,27 +92,14 @@ struct At<'v> {
 }
 
 impl<'v> At<'v> {
-    fn misfit(self, expected: &dyn Expected) -> Misfit {
-        let found = match self.value {
-            Value::Boolean(truth) => Unexpected::Bool(*truth),
-            Value::Integer(number) => Unexpected::Signed(*number),
-            Value::Float(number) => Unexpected::Float(*number),
-            Value::String(text) => Unexpected::Str(text),
-            Value::Datetime(_) => Unexpected::Other("a date"),
-            Value::Array(_) => Unexpected::Seq,
-            Value::Table(_) => Unexpected::Map,
-        };
-        Error::invalid_type(found, expected)
-    }
-
     fn text(self, expected: &dyn Expected) -> Result<&'v str, Misfit> {
         let text = self.value.as_str();
-        text.ok_or_else(|| self.misfit(expected))
+        text.ok_or_else(|| Misfit::of_value(expected))
     }
 
     fn items(self, expected: &dyn Expected) -> Result<Items<'v>, Misfit> {
         let items = self.value.as_array();
-        let items = items.ok_or_else(|| self.misfit(expected))?;
+        let items = items.ok_or_else(|| Misfit::of_value(expected))?;
         Ok(Items {
             all: items,
             taken: 0,
@@ -130,7 +109,7 @@ impl<'v> At<'v> {
 
     fn entries(self, expected: &dyn Expected) -> Result<Entries<'v>, Misfit> {
         let table = self.value.as_table();
-        let table = table.ok_or_else(|| self.misfit(expected))?;
+        let table = table.ok_or_else(|| Misfit::of_value(expected))?;
         Ok(Entries {
             left: table.iter(),
             here: None,
@@ -159,10 +138,7 @@ impl<'v> Items<'v> {
     fn end(&self) -> Result<(), Misfit> {
         match self.taken == self.all.len() {
             true => Ok(()),
-            false => Err(Error::invalid_length(
-                self.all.len(),
-                &"fewer elements in array",
-            )),
+            false => Err(Misfit::of_value(&"fewer elements in array")),
         }
     }
 }
@@ -204,7 +180,7 @@ impl<'v> Entries<'v> {
     /// The value of the key that was taken last, and what leads back from it.
     fn value(&mut self) -> Result<(At<'v>, usize), Misfit> {
         let here = self.here.take();
-        let (name, value) = here.ok_or_else(|| Misfit("a value before its key".into()))?;
+        let (name, value) = here.ok_or_else(|| Error::custom("a value before its key"))?;
         let outer = enter(&mut self.key.borrow_mut(), name);
         let key = self.key;
         Ok((At { value, key }, outer))
@@ -236,7 +212,7 @@ macro_rules! numbers {
             match self.value {
                 Value::Integer(number) => visitor.visit_i64(*number),
                 Value::Float(number) => visitor.visit_f64(*number),
-                _ => Err(self.misfit(&visitor)),
+                _ => Err(Misfit::of_value(&visitor)),
             }
         }
     )*};
@@ -254,7 +230,7 @@ impl<'de> Deserializer<'de> for At<'_> {
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
         match self.value {
             Value::Boolean(truth) => visitor.visit_bool(*truth),
-            _ => Err(self.misfit(&visitor)),
+            _ => Err(Misfit::of_value(&visitor)),
         }
     }
 
@@ -322,7 +298,7 @@ impl<'de> Deserializer<'de> for At<'_> {
             Value::String(_) => self.deserialize_str(visitor),
             Value::Array(_) => self.deserialize_seq(visitor),
             Value::Table(_) => self.deserialize_map(visitor),
-            Value::Datetime(_) => Err(self.misfit(&visitor)),
+            Value::Datetime(_) => Err(Misfit::of_value(&visitor)),
         }
     }
 

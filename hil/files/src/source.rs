@@ -14,7 +14,7 @@ use super::format::Format;
 use super::plain;
 use super::reading::{MOST_SETTINGS, read_text};
 use super::settings::Bounded;
-use super::wording::expectation;
+use super::wording::{Misfit, inside};
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -160,16 +160,15 @@ impl Source {
 
     /// The whole text as a type.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
-        plain::read(&self.value()?).map_err(|(key, words)| self.misfit(&key, &words))
+        plain::read(&self.value()?).map_err(|(key, misfit)| self.misfit(&key, misfit))
     }
 
-    fn misfit(&self, key: &str, words: &str) -> FileError {
-        let wrong = expectation(key, words);
-        let found = wrong.found.unwrap_or_else(|| {
-            self.value_text(&wrong.key)
-                .unwrap_or_else(|| "nothing".into())
-        });
-        self.bad_found(&wrong.key, wrong.expected, found)
+    fn misfit(&self, key: &str, misfit: Misfit) -> FileError {
+        let key = misfit.field.map_or(key.into(), |field| inside(key, &field));
+        match misfit.found {
+            Some(found) => self.bad_found(&key, misfit.expected, found),
+            None => self.bad(&key, misfit.expected),
+        }
     }
 
     /// What the text says, with all changes.

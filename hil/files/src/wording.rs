@@ -1,71 +1,97 @@
-//! The parser's sentences turned into ours: which key, what was expected, what was found.
+//! What does not fit in a settings file, in the words that people read.
 
-use super::near::{did_you_mean, quoted_words};
+use std::fmt::Display;
 
-/// What a parser's message says, taken apart.
-pub(super) struct Wrong {
-    pub key: String,
+use serde::de::{Error, Expected, Unexpected};
+
+use super::near::did_you_mean;
+
+/// A value or a key that does not fit.
+#[derive(Debug, thiserror::Error)]
+#[error("expected {expected}")]
+pub(super) struct Misfit {
+    /// A key of the table that was being read, where that is unknown or missing.
+    pub field: Option<String>,
+    /// What was expected instead.
     pub expected: String,
-    /// None: the value in the file speaks for itself.
+    /// What was found, where the value itself does not show it.
     pub found: Option<String>,
 }
 
-/// Takes a `serde` message at `path` apart. Messages of unknown form are passed on whole.
-pub(super) fn expectation(path: &str, message: &str) -> Wrong {
-    let first = message.lines().next().unwrap_or_default();
-    if let Some((field, rest)) = quoted(first, "unknown field ") {
-        let known = rest.trim_start_matches(", expected ");
-        return Wrong {
-            key: inside(path, field),
-            expected: known.replace("one of ", "one of the keys "),
-            found: Some(format!("the unknown key `{field}`{}", meant(field, known))),
-        };
+impl Misfit {
+    /// A value where something else was expected, which serde names.
+    pub(super) fn of_value(expected: &dyn Expected) -> Self {
+        Self {
+            field: None,
+            expected: plain(&expected.to_string()),
+            found: None,
+        }
     }
-    if let Some((field, _)) = quoted(first, "missing field ") {
-        return Wrong {
-            key: inside(path, field),
+}
+
+impl Error for Misfit {
+    fn custom<T: Display>(what: T) -> Self {
+        let what = what.to_string();
+        Self {
+            field: None,
+            expected: "a valid value".into(),
+            found: Some(what.lines().next().unwrap_or_default().into()),
+        }
+    }
+
+    fn invalid_type(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::of_value(expected)
+    }
+
+    fn invalid_value(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::of_value(expected)
+    }
+
+    fn invalid_length(_: usize, expected: &dyn Expected) -> Self {
+        Self::of_value(expected)
+    }
+
+    fn unknown_variant(variant: &str, known: &'static [&'static str]) -> Self {
+        Self {
+            field: None,
+            expected: one_of("", known),
+            found: Some(format!("`{variant}`{}", meant(variant, known))),
+        }
+    }
+
+    fn unknown_field(field: &str, known: &'static [&'static str]) -> Self {
+        let meant = meant(field, known);
+        Self {
+            field: Some(field.into()),
+            expected: one_of("the keys ", known),
+            found: Some(format!("the unknown key `{field}`{meant}")),
+        }
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self {
+            field: Some(field.into()),
             expected: "a value".into(),
             found: Some("nothing".into()),
-        };
-    }
-    if let Some((variant, rest)) = quoted(first, "unknown variant ") {
-        let known = rest.trim_start_matches(", expected ");
-        return Wrong {
-            key: path.into(),
-            expected: known.into(),
-            found: Some(format!("`{variant}`{}", meant(variant, known))),
-        };
-    }
-    let wrong_value = ["invalid type: ", "invalid value: ", "invalid length "]
-        .iter()
-        .any(|start| first.starts_with(start));
-    if let (true, Some((_, wanted))) = (wrong_value, first.rsplit_once(", expected ")) {
-        return Wrong {
-            key: path.into(),
-            expected: plain(wanted),
-            found: None,
-        };
-    }
-    Wrong {
-        key: path.into(),
-        expected: "a valid value".into(),
-        found: Some(first.into()),
+        }
     }
 }
 
-/// Which of the words that were expected was meant, as a question.
-fn meant(word: &str, expected: &str) -> String {
-    did_you_mean(word, quoted_words(expected))
+fn meant(word: &str, known: &[&str]) -> String {
+    did_you_mean(word, known.iter().copied())
 }
 
-fn quoted<'m>(message: &'m str, start: &str) -> Option<(&'m str, &'m str)> {
-    message
-        .strip_prefix(start)?
-        .strip_prefix('`')?
-        .split_once('`')
+/// The words that may stand in a place, with a noun where there are more than two.
+fn one_of(noun: &str, known: &[&str]) -> String {
+    let words: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
+    match words.as_slice() {
+        [_, _] => words.join(" or "),
+        [_] => words.concat(),
+        _ => format!("one of {noun}{}", words.join(", ")),
+    }
 }
 
-/// The key of a field below another key; below none it is the field's own.
+/// A key inside the table at `path`.
 pub(super) fn inside(path: &str, field: &str) -> String {
     match path {
         "" => field.into(),

@@ -2,10 +2,10 @@
 //! the types here only say how its values are written.
 
 use palpate_core::{contact, illusion, peltier, physics, render, skin, texture};
-use serde::de::value::{Error, StrDeserializer};
+use serde::de::value::StrDeserializer;
 use serde::de::{Deserialize, Deserializer, IntoDeserializer};
 
-use super::wording::expectation;
+use super::wording::Misfit;
 
 /// A closed list of words.
 macro_rules! choice {
@@ -159,11 +159,10 @@ pub fn axes_named(name: &str) -> Result<skin::Axes, String> {
 
 fn named<'n, T>(
     name: &'n str,
-    read: fn(StrDeserializer<'n, Error>) -> Result<T, Error>,
+    read: fn(StrDeserializer<'n, Misfit>) -> Result<T, Misfit>,
 ) -> Result<T, String> {
-    read(name.into_deserializer()).map_err(|error| {
-        let wrong = expectation("", &error.to_string());
-        let found = wrong.found.unwrap_or_else(|| format!("`{name}`"));
-        format!("expected {}, found {found}", wrong.expected)
+    read(name.into_deserializer()).map_err(|misfit| {
+        let found = misfit.found.unwrap_or_else(|| format!("`{name}`"));
+        format!("expected {}, found {found}", misfit.expected)
     })
 }
