@@ -21,7 +21,7 @@ use super::overrides::Overrides;
 use super::settings::bounds;
 use super::source::Source;
 use super::words::choice;
-use tasks::check_text;
+use tasks::{check_text, check_word};
 
 /// Most trials of a session: more than a day of them is a slip of the keyboard.
 const MOST_TRIALS: u64 = 5000;
@@ -182,13 +182,22 @@ impl Condition {
     }
 }
 
+/// A name that none before it has.
+fn check_new<'n>(
+    source: &Source,
+    at: &str,
+    name: &'n String,
+    mut before: impl Iterator<Item = &'n String>,
+) -> Result<(), FileError> {
+    match before.any(|other| other == name) {
+        true => Err(source.bad(&format!("{at}.name"), "each name once")),
+        false => Ok(()),
+    }
+}
+
 impl Question {
     fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
-        let word = |c: char| c.is_ascii_lowercase() || c == '_';
-        if self.name.is_empty() || !self.name.chars().all(word) {
-            let key = format!("{at}.name");
-            return Err(source.bad(&key, "a word of lower-case letters"));
-        }
+        check_word(source, &format!("{at}.name"), &self.name)?;
         check_text(source, &format!("{at}.text"), &self.text)?;
         if self.choices.len() < 2 {
             let key = format!("{at}.choices");
@@ -245,26 +254,20 @@ impl Protocol {
     #[must_use]
     pub fn tasks(&self) -> Vec<(TaskKind, usize, u32)> {
         use TaskKind as K;
-        let absolute = self.absolute_threshold.iter();
-        let absolute = absolute.map(|t| (K::AbsoluteThreshold, t.wires.len(), t.trials));
-        let difference = self.difference.iter();
-        let difference = difference.map(|t| (K::Difference, t.wires.len(), t.trials));
-        let matching = self.matching.iter();
-        let matching = matching.map(|t| (K::Matching, t.wires.len(), t.trials));
-        let places = self.localisation.iter();
-        let places = places.map(|t| (K::Localisation, t.wires.len(), t.repeats));
-        let drawing = self.drawing.iter();
-        let drawing = drawing.map(|t| (K::Drawing, t.conditions.len(), t.repeats));
-        let rating = self.rating.iter();
-        let rating = rating.map(|t| (K::Rating, t.conditions.len(), t.repeats));
-        let choice = self.choice.iter();
-        let choice = choice.map(|t| (K::Choice, t.pairs.len(), t.repeats));
-        let by_wires = absolute.chain(difference).chain(matching).chain(places);
-        by_wires
-            .chain(drawing)
-            .chain(rating)
-            .chain(choice)
-            .collect()
+        let absolute = self.absolute_threshold.as_ref();
+        let (difference, matching) = (self.difference.as_ref(), self.matching.as_ref());
+        let (places, drawing) = (self.localisation.as_ref(), self.drawing.as_ref());
+        let (rating, choice) = (self.rating.as_ref(), self.choice.as_ref());
+        let all = [
+            absolute.map(|t| (K::AbsoluteThreshold, t.wires.len(), t.trials)),
+            difference.map(|t| (K::Difference, t.wires.len(), t.trials)),
+            matching.map(|t| (K::Matching, t.wires.len(), t.trials)),
+            places.map(|t| (K::Localisation, t.wires.len(), t.repeats)),
+            drawing.map(|t| (K::Drawing, t.conditions.len(), t.repeats)),
+            rating.map(|t| (K::Rating, t.conditions.len(), t.repeats)),
+            choice.map(|t| (K::Choice, t.pairs.len(), t.repeats)),
+        ];
+        all.into_iter().flatten().collect()
     }
 
     /// The wires of a task in the file's order; none of a task that names conditions, or that is not there.
@@ -295,23 +298,17 @@ impl Protocol {
             break_s: 0.0..=3600.0, "s";
             pause_s: 0.1..=600.0, "s";
             stimulus_s: 0.1..=10.0, "s")?;
-        let mut names: Vec<&str> = Vec::new();
         for (index, question) in self.questions.iter().enumerate() {
             let at = format!("questions[{index}]");
             question.check(source, &at)?;
-            if names.contains(&question.name.as_str()) {
-                return Err(source.bad(&format!("{at}.name"), "each name once"));
-            }
-            names.push(&question.name);
+            let before = self.questions[..index].iter();
+            check_new(source, &at, &question.name, before.map(|q| &q.name))?;
         }
-        names.clear();
         for (index, condition) in self.conditions.iter().enumerate() {
             let at = format!("conditions[{index}]");
             condition.check(source, &at)?;
-            if names.contains(&condition.name.as_str()) {
-                return Err(source.bad(&format!("{at}.name"), "each name once"));
-            }
-            names.push(&condition.name);
+            let before = self.conditions[..index].iter();
+            check_new(source, &at, &condition.name, before.map(|c| &c.name))?;
         }
         Ok(())
     }

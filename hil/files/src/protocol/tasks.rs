@@ -218,6 +218,15 @@ pub(super) fn check_text(source: &Source, key: &str, text: &str) -> Result<(), F
     }
 }
 
+/// A name that can be the name of a column.
+pub(super) fn check_word(source: &Source, key: &str, word: &str) -> Result<(), FileError> {
+    let of_a_word = |c: char| c.is_ascii_lowercase() || c == '_';
+    match !word.is_empty() && word.chars().all(of_a_word) {
+        true => Ok(()),
+        false => Err(source.bad(key, "a word of lower-case letters")),
+    }
+}
+
 impl ThresholdTask {
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
         let task = "absolute_threshold";
@@ -280,10 +289,7 @@ impl RatingTask {
         }
         for (index, scale) in self.scales.iter().enumerate() {
             let at = |key: &str| format!("rating.scales[{index}].{key}");
-            let word = |c: char| c.is_ascii_lowercase() || c == '_';
-            if scale.name.is_empty() || !scale.name.chars().all(word) {
-                return Err(source.bad(&at("name"), "a word of lower-case letters"));
-            }
+            check_word(source, &at("name"), &scale.name)?;
             if self.scales[..index].iter().any(|s| s.name == scale.name) {
                 return Err(source.bad(&at("name"), "each scale once"));
             }
