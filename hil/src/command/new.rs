@@ -14,6 +14,13 @@ use crate::cli::{
 };
 use palpate_live::output::{make_folder, print, write_file};
 
+const SCENE: &str = include_str!("new/scene.toml");
+const TOUCH: &str = include_str!("new/touch.toml");
+const BENCH: &str = include_str!("new/bench.toml");
+const REAL: &str = include_str!("new/real.toml");
+const SENSOR: &str = include_str!("new/sensor.toml");
+const DISPLAY: &str = include_str!("new/display.toml");
+
 /// The folder beside a new file that holds the schema for editors.
 const SCHEMAS: &str = ".schemas";
 
@@ -137,11 +144,20 @@ fn heading(file: &NewFile, page: &str, default: &str) -> Result<String, Failure>
     ))
 }
 
-/// `key = value`, as a comment where it is the default.
-fn row(out: &mut String, key: &str, value: &str, default: &str, remark: &str) {
-    let mark = if value == default { "# " } else { "" };
-    // Writing to a text does not fail.
-    let _ = writeln!(out, "{mark}{key} = {value} # {remark}");
+/// A template whose lines `key = {key}` have their values, and are comments where a value is the default.
+fn filled(template: &str, values: &[(&str, String, &str)]) -> String {
+    let mut text = template.to_owned();
+    for (key, value, default) in values {
+        let mark = if value == default { "# " } else { "" };
+        let line = format!("{mark}{key} = {value}");
+        text = text.replace(&format!("{key} = {{{key}}}"), &line);
+    }
+    text
+}
+
+fn listed<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
+    let texts = texts.into_iter().map(|text| quoted(text.as_ref()));
+    format!("[{}]", texts.collect::<Vec<_>>().join(", "))
 }
 
 /// A number as TOML writes it.
@@ -166,32 +182,15 @@ fn scene(args: &NewScene) -> Result<String, Failure> {
         Motion::Hold => "A sphere rests on the pad's middle",
         Motion::None => "Nothing touches the skin",
     };
-    let mut out = heading(&args.file, "docs/files/scene.md", what)?;
-    row(&mut out, "length_s", &float(length), "10.0", "simulated");
-    let remark = "`hil list layouts` shows what there is";
-    row(
-        &mut out,
-        "layout",
-        &quoted(&layout),
-        "\"uskin-4x4\"",
-        remark,
-    );
-    if let Some(path) = place.path(motion) {
-        let _ = write!(
-            out,
-            "\n# What touches the skin, in millimetres from the module's middle; repeat the table for a second touch.\n\
-             [[touches]]\n\
-             start_s = 0.8 # the frames before it make the reference\n\
-             # diameter_mm = 19.45 # of the sphere\n\
-             path = {path}\n\
-             force_n = {{ mean = 0.7, amplitude = 0.3, period_s = 2.7 }} # newtons, and how they swing\n"
-        );
-    }
-    out.push_str(
-        "\n# What `hil test` holds the scene to. `hil run` says what it reaches today.\n[expect]\ncontacts_max = 1\n\
-         # path_rmse_mm = 0.5\n# limiter_events_max = 0\n",
-    );
-    Ok(out)
+    let touch = place
+        .path(motion)
+        .map(|path| TOUCH.replace("{path}", &path));
+    let values = [
+        ("length_s", float(length), "10.0"),
+        ("layout", quoted(&layout), "\"uskin-4x4\""),
+    ];
+    let text = filled(SCENE, &values).replace("{touch}", &touch.unwrap_or_default());
+    Ok(heading(&args.file, "docs/files/scene.md", what)? + &text)
 }
 
 /// Field of a module's taxels: its middle, and half its size, mm.
@@ -288,54 +287,22 @@ fn bench(args: &NewBench) -> Result<String, Failure> {
     };
     let mut out = heading(&args.file, "docs/files/bench.md", what)?;
     // A real bench states its hardware, default or not.
-    let default = |text: &'static str| if real { "" } else { text };
-    let rows = [
-        (
-            "display",
-            quoted(&display),
-            "\"thimble-8\"",
-            "`hil list layouts`",
-        ),
-        (
-            "wire.kind",
-            quoted(&wire),
-            "\"final-75um\"",
-            "`hil list wires`",
-        ),
-        ("wire.alloy", quoted("low"), "\"low\"", "`hil list alloys`"),
-        (
-            "drive.current_ma",
-            float(current),
-            "990.0",
-            "through a wire that is on",
-        ),
-        (
-            "drive.supply_limit_ma",
-            float(supply),
-            "4000.0",
-            "of all wires together",
-        ),
+    let usual = |text: &'static str| if real { "" } else { text };
+    let values = [
+        ("display", quoted(&display), usual("\"thimble-8\"")),
+        ("wire.kind", quoted(&wire), usual("\"final-75um\"")),
+        ("wire.alloy", quoted("low"), usual("\"low\"")),
+        ("drive.current_ma", float(current), usual("990.0")),
+        ("drive.supply_limit_ma", float(supply), usual("4000.0")),
     ];
-    for (key, value, usual, remark) in rows {
-        row(&mut out, key, &value, default(usual), remark);
-    }
+    out.push_str(&filled(BENCH, &values));
     if real {
-        let list = |all: Vec<String>| all.iter().map(|t| quoted(t)).collect::<Vec<_>>().join(", ");
         let i2c = args.i2c.iter().map(|path| path.display().to_string());
-        let _ = write!(
-            out,
-            "kind = \"real\"\n\n[real] # docs/bench.md; before a person wears it: docs/safety.md\n\
-             can = [{}] # in the order of the layout's bus numbers\n\
-             i2c = [{}] # in the order of the outputs' bus numbers\n\
-             # oe = {{ chip = \"/dev/gpiochip0\", line = 17 }} # the line that cuts all outputs\n",
-            list(args.can.clone()),
-            list(i2c.collect())
-        );
-        out.push_str(
-            "\n# One entry per wire, in the display's order. Look where yours are connected.\n",
-        );
+        let values = [("can", listed(&args.can), ""), ("i2c", listed(i2c), "")];
+        out.push_str(&filled(REAL, &values));
         for wire in 0..wires.wires_mm.len() {
             let (board, channel) = (0x40 + wire / 16, wire % 16);
+            // Writing to a text does not fail.
             let _ = write!(
                 out,
                 "[[outputs]]\nboard = {board:#04x}\nchannel = {channel}\n"
@@ -361,34 +328,27 @@ fn layout(args: &NewLayout) -> Result<String, Failure> {
         LayoutKind::Display => format!("{rows}x{columns} wires, {pitch} mm apart"),
     };
     let mut out = heading(&args.file, "docs/files/layout.md", &what)?;
+    let template = match kind {
+        LayoutKind::Sensor => SENSOR,
+        LayoutKind::Display => DISPLAY,
+    };
+    let size = template.replace("{rows}", &rows.to_string());
+    let size = size.replace("{columns}", &columns.to_string());
+    out.push_str(&size.replace("{pitch_mm}", &float(pitch)));
     match kind {
-        LayoutKind::Sensor => {
-            let boards: Vec<String> = (0..(u32::from(rows) * u32::from(columns)).div_ceil(16))
-                .map(|board| (board + 1).to_string())
-                .collect();
-            let _ = write!(
+        // What a board on the bus can carry; a larger skin has recordings alone.
+        LayoutKind::Sensor if rows <= 8 && columns <= 8 => {
+            let boards = 1..=(rows * columns).div_ceil(16);
+            let boards: Vec<String> = boards.map(|board| board.to_string()).collect();
+            let boards = boards.join(", ");
+            let _ = writeln!(
                 out,
-                "kind = \"sensor\"\n# axes = 3 # or 1, the normal one alone\n\n\
-                 [[modules]]\nname = \"pad\"\n\
-                 grid = {{ rows = {rows}, columns = {columns}, pitch_mm = {} }} # row 0 on top\n",
-                float(pitch)
+                "bus = 0\nboards = [{boards}] # addresses, 16 taxels each"
             );
-            // What a board on the bus can carry; a larger skin has recordings alone.
-            if rows <= 8 && columns <= 8 {
-                let _ = write!(
-                    out,
-                    "bus = 0\nboards = [{}] # addresses, 16 taxels each\n",
-                    boards.join(", ")
-                );
-            }
         }
+        LayoutKind::Sensor => {}
         LayoutKind::Display => {
-            let _ = write!(
-                out,
-                "kind = \"display\"\nspacing_mm = [{pitch:?}, {pitch:?}] # between neighbours, across and along\n\
-                 # surface = {{ diameter_mm = 16.0, tip_mm = 6.0 }} # of a finger; left out: flat\n\
-                 # The wires' middles, in the order of the bench's outputs: x to the right, y up.\nwires_mm = [\n"
-            );
+            out.push_str("wires_mm = [\n");
             for row in 0..rows {
                 for column in 0..columns {
                     let at = |n: u16, of: u16| (f64::from(n) - f64::from(of - 1) / 2.0) * pitch;
