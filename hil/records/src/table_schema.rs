@@ -1,7 +1,9 @@
 //! Meaning of the columns of a CSV: types, units and words as a Frictionless Table Schema, a file beside the table, so
 //! that no reader has to guess.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
 
 use crate::contacts_csv;
 use crate::trace::Header;
@@ -9,66 +11,17 @@ use crate::trace::Header;
 /// Version of the columns' meaning; grows when one changes what it says.
 pub const VERSION: u32 = 1;
 
-/// A column: name, type (integer, number or string), unit (UCUM; 1 for a count) and what it says.
-type Column = (&'static str, &'static str, &'static str, &'static str);
+/// The columns of the contacts, in their order; the last is of a run with several displays alone.
+const CONTACTS: &str = include_str!("contacts_schema.json");
 
-/// The columns of the contacts, in their order.
-const CONTACTS: [Column; 10] = [
-    (
-        "frame",
-        "integer",
-        "1",
-        "Zero-based number of the driving module's scan",
-    ),
-    (
-        "time_us",
-        "integer",
-        "us",
-        "End of the scan since the start of the run",
-    ),
-    ("module", "integer", "1", "Zero-based module of the layout"),
-    (
-        "contact",
-        "integer",
-        "1",
-        "Identity that stays with a contact from frame to frame",
-    ),
-    (
-        "x_mm",
-        "number",
-        "mm",
-        "Place to the right of the module's centre",
-    ),
-    ("y_mm", "number", "mm", "Place above the module's centre"),
-    (
-        "intensity",
-        "number",
-        "1",
-        "Interpolated relative reading, raw counts",
-    ),
-    ("level", "integer", "1", "Intensity level from 1 to K_I"),
-    ("members", "integer", "1", "Taxels in the contact's cluster"),
-    // Of a run with several displays alone.
-    (
-        contacts_csv::DISPLAY,
-        "string",
-        "1",
-        "Display that the module belongs to",
-    ),
-];
-
-#[derive(Serialize)]
+/// A column: its name, type, unit (UCUM; 1 for a count) and what it says.
+#[derive(Serialize, Deserialize)]
 struct Field {
     name: &'static str,
     r#type: &'static str,
     unit: &'static str,
     description: &'static str,
-    constraints: Constraints,
-}
-
-#[derive(Serialize)]
-struct Constraints {
-    required: bool,
+    constraints: BTreeMap<&'static str, bool>,
 }
 
 #[derive(Serialize)]
@@ -96,12 +49,14 @@ struct Run<'a> {
 
 /// The schema of a contacts CSV, as JSON.
 pub fn contacts_schema(header: Option<&Header>) -> String {
+    let mut fields: Vec<Field> = serde_json::from_str(CONTACTS).unwrap_or_default();
     let names = contacts_csv::HEADER
         .split(',')
         .chain([contacts_csv::DISPLAY]);
-    debug_assert!(names.eq(CONTACTS.iter().map(|c| c.0)));
-    let several = header.is_some_and(|h| !h.displays.is_empty());
-    let columns = CONTACTS.len() - usize::from(!several);
+    debug_assert!(names.eq(fields.iter().map(|f| f.name)));
+    if header.is_none_or(|h| h.displays.is_empty()) {
+        fields.pop();
+    }
     let schema = Schema {
         standard: "https://datapackage.org/profiles/2.0/tableschema.json",
         version: VERSION,
@@ -114,16 +69,7 @@ pub fn contacts_schema(header: Option<&Header>) -> String {
             scene_digest: &h.scene_digest,
             limits_digest: &h.limits_digest,
         }),
-        fields: CONTACTS[..columns]
-            .iter()
-            .map(|&(name, r#type, unit, description)| Field {
-                name,
-                r#type,
-                unit,
-                description,
-                constraints: Constraints { required: true },
-            })
-            .collect(),
+        fields,
     };
     // Plain structs of strings and integers: there is nothing that JSON could refuse.
     serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
