@@ -7,52 +7,12 @@ use palpate_records::table::{as_csv, plain};
 use palpate_study::{Answer, Estimate, Participant, Record, Reply, Stimulus};
 use serde_json::{Value, json};
 
-/// Columns of a participant's table, with what each holds.
-const COLUMNS: [(&str, &str); 22] = [
-    ("participant", "number of the participant"),
-    ("trial", "number of the trial, from 1; practice counts"),
-    ("attempt", "how often the trial was begun before"),
-    ("status", "answered, or void: it is then repeated"),
-    (
-        "task",
-        "absolute_threshold, difference, matching, localisation, drawing, rating or choice",
-    ),
-    ("practice", "1 where the answer does not count"),
-    ("first", "what the first interval played"),
-    ("second", "what the second interval played"),
-    (
-        "level_db",
-        "level that the method chose: dB of full drive; of difference a part of the lesser amplitude, dB",
-    ),
-    ("right", "interval whose choice counts as yes"),
-    ("chosen", "interval that was chosen"),
-    ("yes", "1 where both are the same"),
-    (
-        "x_mm",
-        "where it was felt: to the right of the display's middle, mm",
-    ),
-    ("y_mm", "and up from it, mm"),
-    (
-        "ratings",
-        "numbers from 1 to 6, in the order of the protocol's scales, with semicolons between",
-    ),
-    (
-        "strokes",
-        "strokes of the drawing; between two the person marked a break",
-    ),
-    (
-        "points",
-        "points of the drawing; the record has each with its time",
-    ),
-    (
-        "began_ms",
-        "when the first interval began, ms since the session did",
-    ),
-    ("asked_ms", "when the answer could be given"),
-    ("answered_ms", "when it was given"),
-    ("stimuli", "pulse trains that the guard passed"),
-    ("why", "why a trial was void"),
-];
+/// Columns of a participant's table, a line each, with what each holds.
+const COLUMNS: &str = include_str!("columns.txt");
+
+fn columns() -> impl Iterator<Item = (&'static str, &'static str)> {
+    COLUMNS.lines().filter_map(|line| line.split_once(": "))
+}
 
 fn word(stimulus: Option<&Stimulus>) -> String {
     match stimulus {
@@ -66,7 +26,7 @@ fn word(stimulus: Option<&Stimulus>) -> String {
 /// A participant's table: a row per trial that was begun and came to an end.
 #[must_use]
 pub fn data(record: &Record) -> String {
-    let mut text = as_csv([COLUMNS.map(|(name, _)| name)]);
+    let mut text = as_csv([columns().map(|(name, _)| name).collect::<Vec<_>>()]);
     for said in record.replies() {
         let Some(played) = &said.trial else {
             continue;
@@ -137,8 +97,7 @@ pub fn data(record: &Record) -> String {
 /// Description of a table's columns: the JSON beside the table.
 #[must_use]
 pub fn sidecar(protocol: &Protocol) -> String {
-    let columns = COLUMNS
-        .iter()
+    let columns = columns()
         .map(|(name, what)| json!({ "@type": "PropertyValue", "name": name, "description": what }));
     let columns: Vec<Value> = columns.collect();
     let scales: Vec<&str> = protocol
@@ -154,7 +113,7 @@ pub fn sidecar(protocol: &Protocol) -> String {
 /// The file that makes a folder a Psych-DS data set.
 #[must_use]
 pub fn description(protocol: &Protocol) -> String {
-    let columns: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).collect();
+    let columns: Vec<&str> = columns().map(|(name, _)| name).collect();
     let whole = json!({
         "@context": "https://schema.org/",
         "@type": "Dataset",
