@@ -31,21 +31,13 @@ pub struct ServeArgs {
 
 impl From<ServeArgs> for RunArgs {
     fn from(args: ServeArgs) -> Self {
-        let ServeArgs {
-            what,
-            on,
-            at,
-            open,
-            again,
-            voice,
-        } = args;
         Self {
-            scene: what.into_iter().next(),
-            on,
-            voice,
-            open,
-            again,
-            serve: Some(at),
+            scene: args.what.into_iter().next(),
+            on: args.on,
+            voice: args.voice,
+            open: args.open,
+            again: args.again,
+            serve: Some(args.at),
             ..Self::default()
         }
     }

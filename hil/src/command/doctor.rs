@@ -115,40 +115,34 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
         true => ", a Peltier module",
         false => "",
     };
+    let fine = |about, says| finding(about, true, says, None);
     let mut found = vec![
-        finding(
+        fine(
             "unit",
-            true,
             format!(
                 "{} answers under this key, version {VERSION}, within {:.1} ms",
                 place.name,
                 2.0 * half_ms
             ),
-            None,
         ),
-        finding(
+        fine(
             "unit clock",
-            true,
             format!(
                 "runs for {:.3} s, known to {half_ms:.2} ms; {ahead_s:+.3} s from this program's",
                 hello.now.as_micros() as f64 * 1e-6
             ),
-            None,
         ),
-        finding(
+        fine(
             "unit boards",
-            true,
             format!(
                 "{wires} wires, boards: {boards}, PRE_SCALE {}, {} mA through {} milliohms{set}{module}",
                 plant.prescale.get(),
                 plant.peak.0,
                 plant.wire_milliohm
             ),
-            None,
         ),
-        finding(
+        fine(
             "unit guard",
-            true,
             format!(
                 "{rows}; pulses to {} us, bursts to {} ms and {} mJ, fingertip {} mW over 60 s, off within {} ms",
                 limits.pulse_width_ns / 1000,
@@ -157,11 +151,9 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
                 limits.fingertip_60s_uw as f64 / 1e3,
                 limits.stale.as_micros() / 1000
             ),
-            None,
         ),
-        finding(
+        fine(
             "unit state",
-            true,
             match hello.state {
                 State::Ready => format!("drives; {} stops so far", hello.stops),
                 State::Stopped(cause) => format!(
@@ -170,7 +162,6 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
                     hello.stops
                 ),
             },
-            None,
         ),
     ];
     if hello.busy {
