@@ -112,6 +112,9 @@ impl Mechanics {
     };
 }
 
+/// Power of the diameter with which a wire's heat transfer to still air goes: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
+pub const AIR_POWER: f64 = 3.0 * 0.058 - 1.0;
+
 /// One shape-memory wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WireParameters {

@@ -18,6 +18,7 @@ mod fault;
 mod felt;
 mod finger;
 mod format;
+mod guarded;
 mod hardware;
 mod illusion;
 mod joint;

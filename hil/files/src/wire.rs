@@ -4,6 +4,7 @@ use palpate_core::physics::{Alloy, Hysteresis, Mechanics, WireParameters};
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::guarded;
 use super::play::{PlayEntry, check_plays};
 use super::settings::bounds;
 use super::source::Source;
@@ -187,9 +188,6 @@ impl WireFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
-        bounds!(source, "", wire;
-            diameter_um: 10.0..=1000.0, "um";
-            length_mm: 0.5..=100.0, "mm")?;
         bounds!(source, "electrical", wire.electrical;
             resistance_ohm: 0.01..=1000.0, "Ohm";
             wire_share: 0.0..=1.0;
@@ -202,6 +200,7 @@ impl WireFile {
             conductivity_w_mk: 0.0..=500.0, "W/mK";
             air_w_m2k: 0.0..=2000.0, "W/m2K";
             mount_w_k: 0.0..=1.0, "W/K")?;
+        guarded::check(&wire, source)?;
         bounds!(source, "mechanical", wire.mechanical;
             bias_stress_mpa: 0.0..=1000.0, "MPa";
             modulus_austenite_gpa: 1.0..=500.0, "GPa";

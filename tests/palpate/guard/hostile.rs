@@ -7,11 +7,25 @@ use std::thread;
 
 use palpate_core::random::RandomStream;
 
+use super::kernel::sized;
 use super::rig::{Breach, Parameters, Rig};
 use super::schedule::{Kind, draw, with_guard, without_guard};
 
-/// Henriques' Omega a second, 1/s, of skin at rest, which is at 33 C: 3.1e98 exp(-6.27e5 / (8.314463 * 306.15)), rounded up.
-const REST_OMEGA_PER_S: f64 = 3.29e-9;
+/// Henriques' Omega a second, 1/s, of skin at rest, rounded up.
+fn rest_omega_per_s(rest_c: f64) -> f64 {
+    3.11e98 * libm::exp(-6.27e5 / (8.314463 * (rest_c + 273.15)))
+}
+
+/// Wires that are guarded by rows of their own, um and mm.
+const SIZES: [(f64, f64); 5] = [
+    (50.0, 3.0),
+    (50.0, 8.0),
+    (75.0, 5.0),
+    (75.0, 8.0),
+    (100.0, 8.0),
+];
+/// Fingers at rest that they lie on, degrees C.
+const RESTS_C: [f64; 2] = [29.0, 36.0];
 
 /// What became of many schedules.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +51,8 @@ enum Load {
     Loose,
     /// Bursts on chips with an external clock.
     Clocked,
+    /// Bursts on one of [`SIZES`], every other wire a loose one, on one of [`RESTS_C`].
+    Sized(usize, usize),
 }
 
 fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
@@ -48,6 +64,14 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     if load == Load::Clocked {
         parameters = parameters.clocked(&mut s);
     }
+    if let Load::Sized(size, rest) = load {
+        let (um, mm) = SIZES[size];
+        parameters = parameters.sized(sized(um, mm), RESTS_C[rest]);
+        if case % 2 == 1 {
+            parameters = parameters.loose(&mut s);
+        }
+    }
+    let rest_c = parameters.skin.body_c;
     let kind = match s.next_u64() % 4 {
         _ if load == Load::Textures => Kind::Textured,
         0 => Kind::Dwelling,
@@ -74,13 +98,14 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     let seen = rig.hottest();
     for i in 0..3 {
         tally.least_k[i] = tally.least_k[i].min(most[i] - seen[i]);
-        if most[i] > 35.0 {
-            tally.closest[i] = tally.closest[i].max((seen[i] - 33.0) / (most[i] - 33.0));
+        if most[i] > rest_c + 2.0 {
+            let part = (seen[i] - rest_c) / (most[i] - rest_c);
+            tally.closest[i] = tally.closest[i].max(part);
         }
     }
     let dose = rig.dose();
     // What is predicted ends with the last burst that was passed; skin at rest goes on collecting a trace.
-    let rest = REST_OMEGA_PER_S * rig.now() as f64 * 1e-9;
+    let rest = rest_omega_per_s(rest_c) * rig.now() as f64 * 1e-9;
     let doses = dose.omega <= predicted.omega + rest && dose.cem43_min <= predicted.cem43_min;
     if !doses || seen.iter().zip(&most).any(|(seen, most)| seen > most) {
         tally
@@ -181,6 +206,23 @@ fn no_external_clock_passes_a_limit() {
     let count = setting("PALPATE_CLOCKED", 600);
     judge(&play(first, count, 1, Load::Clocked));
     judge(&play(first, 4, 120, Load::Clocked));
+}
+
+/// Each wire has rows made for it, on colder and on warmer fingers.
+#[test]
+fn no_wire_of_another_size_passes_a_limit() {
+    let first = setting("PALPATE_FIRST", 0);
+    let (count, long) = (
+        setting("PALPATE_SIZED", 24),
+        setting("PALPATE_SIZED_LONG", 2),
+    );
+    for (size, (um, mm)) in SIZES.into_iter().enumerate() {
+        for (rest, rest_c) in RESTS_C.into_iter().enumerate() {
+            println!("{um} um x {mm} mm on {rest_c} C:");
+            judge(&play(first, count, 1, Load::Sized(size, rest)));
+            judge(&play(first, long, 30, Load::Sized(size, rest)));
+        }
+    }
 }
 
 /// Textures ask period by period: the guard sees hundreds of stimuli a second on every wire.

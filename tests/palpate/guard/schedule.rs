@@ -229,7 +229,13 @@ pub fn guard(rig: &Rig) -> Guard {
         peak: rig.parameters.current,
         bus: Duration::ZERO,
     };
-    Guard::new(rig.parameters.limits(), plant, &display()).unwrap()
+    Guard::new(
+        rig.parameters.limits(),
+        plant,
+        &display(),
+        rig.parameters.worn(),
+    )
+    .unwrap()
 }
 
 /// Plays a schedule through guard and driver. The host is at most `late_us` late with each call.

@@ -1,0 +1,74 @@
+//! Wires that the guard can guard: its rows of heat are made for a range of sizes and materials, and for no other.
+
+use std::ops::RangeInclusive;
+
+use palpate_core::guard::WornWire;
+use palpate_core::physics::AIR_POWER;
+
+use super::error::FileError;
+use super::source::Source;
+use super::wire::WireFile;
+
+/// What closes each sentence.
+const WHY: &str = "the guard has rows of heat for no other";
+/// Heat capacities of the rows' corners, J/(m3 K): 322 to 837 J/(kg K) at 6450 kg/m3.
+const CAPACITY: [f64; 2] = [322.0 * 6450.0, 837.0 * 6450.0];
+/// Most latent heat of all phases together in those corners, J/kg.
+const LATENT_J_KG: f64 = 24_000.0;
+/// Least conductivity: the rows' own, W/(m K). A wire that conducts better loses more at its ends.
+const CONDUCTIVITY_W_MK: f64 = 18.0;
+/// Heat transfer to still air of a wire of 75 um, W/(m2 K), to whole ones. Air takes it away.
+const AIR_W_M2K: f64 = 172.0;
+
+/// Whether the guard has rows of heat for a wire.
+///
+/// # Errors
+/// Names the line and key of what lies outside them, and their range.
+pub(super) fn check(wire: &WireFile, source: &Source) -> Result<(), FileError> {
+    let size = |range: RangeInclusive<u32>| {
+        let (low, high) = range.into_inner();
+        f64::from(low) / 1e3..=f64::from(high) / 1e3
+    };
+    let heat = &wire.thermal;
+    let [least, most] = CAPACITY.map(|each| each / heat.density_kg_m3);
+    let air = AIR_W_M2K * (wire.diameter_um / 75.0).powf(AIR_POWER);
+    for (key, value, range, unit) in [
+        (
+            "diameter_um",
+            wire.diameter_um,
+            size(WornWire::DIAMETER_NM),
+            "um",
+        ),
+        ("length_mm", wire.length_mm, size(WornWire::LENGTH_UM), "mm"),
+        (
+            "thermal.specific_heat_j_kgk",
+            heat.specific_heat_j_kgk,
+            least..=most,
+            "J/kgK",
+        ),
+        (
+            "thermal.conductivity_w_mk",
+            heat.conductivity_w_mk,
+            CONDUCTIVITY_W_MK..=500.0,
+            "W/mK",
+        ),
+        (
+            "thermal.air_w_m2k",
+            heat.air_w_m2k,
+            air.floor()..=2000.0,
+            "W/m2K",
+        ),
+    ] {
+        source.range(key, &value, range, &format!("{unit}: {WHY}"))?;
+    }
+    let beside: f64 = wire.plays.iter().map(|play| play.latent_heat_j_kg).sum();
+    if heat.latent_heat_j_kg + beside > LATENT_J_KG {
+        let expected = format!("at most {LATENT_J_KG} J/kg with all of [[plays]]: {WHY}");
+        return Err(source.bad("thermal.latent_heat_j_kg", expected));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "guarded_tests.rs"]
+mod tests;
