@@ -61,11 +61,12 @@ fn rows(diameter_nm: u32, length_mm: f64) -> [[f64; DECAYS]; 2] {
     } else {
         MARGIN
     };
+    let rates = table_rates();
     [0, 1].map(|depth| {
         let target = envelope(&corners, depth, &times);
         let target: Vec<f64> = target.iter().map(|k| k * units).collect();
-        let c = fit(&table_rates(), &times, &target).map(|c| c * margin);
-        let over = |(t, v): (&f64, &f64)| sum(&table_rates(), &c, *t) / v;
+        let c = fit(&rates, &times, &target).map(|c| c * margin);
+        let over = |(t, v): (&f64, &f64)| sum(&rates, &c, *t) / v;
         let within = times.iter().zip(&target).take_while(|(t, _)| **t < 100.0);
         let (low, high) = within
             .map(over)
