@@ -6,11 +6,19 @@
 //! degrees Celsius.
 
 mod bow;
+mod curve;
+mod history;
+mod law;
 mod peltier;
+mod phases;
 mod play;
 
 pub use bow::{Bow, DEEPEST, Ends, Mount};
+pub use curve::{BEND_M, Curve, Piece, TIGHTEST};
+pub use history::{History, WireState};
+pub use law::{Law, SHARES};
 pub use peltier::{PeltierParameters, Thermistor};
+pub use phases::{Line, Phases};
 pub use play::{MOST_BESIDE, Play};
 
 /// Zero of the Celsius scale, in kelvin.
@@ -161,6 +169,9 @@ pub struct WireParameters {
     pub mechanics: Mechanics,
     /// How it sits on the finger.
     pub mount: Mount,
+    /// What it went through, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
+    /// parallel at a constant stress ([`Self::plays`]).
+    pub history: Option<History>,
 }
 
 impl WireParameters {
@@ -187,6 +198,7 @@ impl WireParameters {
         beside: [None; MOST_BESIDE],
         mechanics: Mechanics::DEFAULT,
         mount: Mount::DEFAULT,
+        history: None,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
@@ -295,6 +307,7 @@ impl WireParameters {
         finite("mechanics.expansion_martensite", m.expansion_martensite)?;
         finite("mechanics.rest_c", m.rest_c)?;
         self.mount.check(self.length_m)?;
+        self.check_history()?;
         self.plays().map(drop)
     }
 }
