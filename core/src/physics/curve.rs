@@ -15,7 +15,7 @@ use core::f64::consts::PI;
 use super::{Bow, DEEPEST, WireParameters};
 
 /// Most that a piece's displacement lies beside the bow's own, m.
-pub const BEND_M: f64 = 0.02e-6;
+pub const BEND_M: f64 = 0.01e-6;
 /// Part of its rest sag past which a bow is beyond the model: its ends are no longer where they were, and a wire that tight
 /// is no bow.
 pub const TIGHTEST: f64 = 0.9;
@@ -69,21 +69,16 @@ pub struct Curve {
 impl Curve {
     /// Of a wire in its bow.
     pub fn new(bow: &Bow, wire: &WireParameters) -> Self {
-        Self::within(bow, wire, BEND_M)
-    }
-
-    /// With pieces that lie at most `bend_m` beside the bow.
-    pub(super) fn within(bow: &Bow, wire: &WireParameters, bend_m: f64) -> Self {
         let shape = Shape::new(bow, wire);
         let rest = shape.rest;
         let mut down = alloc::vec![rest];
         for to in [rest * (1.0 - TIGHTEST), rest * STRAIGHT] {
-            shape.fill(to, bend_m, &mut down);
+            shape.fill(to, &mut down);
         }
         let mut up = alloc::vec![rest];
         let (parting, deepest) = (rest - bow.parting_m, wire.length_m * DEEPEST);
         for to in [parting, deepest.max(parting)] {
-            shape.fill(to, bend_m, &mut up);
+            shape.fill(to, &mut up);
         }
         down.reverse();
         down.extend_from_slice(&up[1..]);
@@ -165,13 +160,13 @@ impl Shape {
     }
 
     /// Adds knots from the last one up to the sag `to`.
-    fn fill(&self, to: f64, bend_m: f64, knots: &mut Vec<f64>) {
+    fn fill(&self, to: f64, knots: &mut Vec<f64>) {
         let mut from = knots.last().copied().unwrap_or(to);
-        while (to - from).abs() > 0.0 && self.bend(from, to) > bend_m {
+        while (to - from).abs() > 0.0 && self.bend(from, to) > BEND_M {
             let (mut good, mut bad) = (0.0, 1.0);
             for _ in 0..24 {
                 let part = f64::midpoint(good, bad);
-                match self.bend(from, from + (to - from) * part) <= bend_m {
+                match self.bend(from, from + (to - from) * part) <= BEND_M {
                     true => good = part,
                     false => bad = part,
                 }

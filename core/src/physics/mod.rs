@@ -225,7 +225,7 @@ impl WireParameters {
         }
     }
 
-    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa.
+    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a history.
     #[must_use]
     pub const fn taut(self) -> Self {
         Self {
@@ -236,6 +236,7 @@ impl WireParameters {
                 transformation_strain: Mechanics::DEFAULT.transformation_strain,
                 ..self.mechanics
             },
+            history: None,
             ..self
         }
     }

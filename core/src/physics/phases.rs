@@ -11,6 +11,8 @@ const SAME_STRAIN: f64 = 1e-15;
 /// Where a history begins, degrees C: all of any wire is martensite, or austenite.
 const COLDEST_C: f64 = -273.15;
 const HOTTEST_C: f64 = 600.0;
+/// Temperatures beyond are as good as this, degrees C.
+const FURTHEST_C: f64 = 1e6;
 /// Events on a walk between two temperatures. A bound on the work, far beyond what a wire has.
 const EVENTS: usize = 10_000;
 
@@ -79,14 +81,31 @@ struct Guess {
     by_play: bool,
 }
 
+/// What turns by a guess, and the strain of that.
+#[derive(Default)]
+struct Turns {
+    /// Rate of each share with its theta, 1/K, and what it has expanded for: by a kelvin, and by its change.
+    parts: [(f64, f64, f64); ALL],
+    rho: f64,
+    /// Shares whose R just meets their austenite.
+    ties: [bool; ALL],
+    /// Shares whose R follows the play.
+    by_play: [bool; ALL],
+    /// Strain by a kelvin alone, by theta_M and by theta_R, 1/K.
+    alone: f64,
+    by_m: f64,
+    by_r: f64,
+}
+
 impl Phases {
-    /// A wire that went through its history, at rest.
+    /// A wire that went through its history, at rest; its line leads up.
     ///
     /// # Errors
     /// `mount.sag_m` where the bow is past [`super::TIGHTEST`] before the first pulse, `bias_stress_pa` where the wire would
     /// be pressed.
     pub fn rest(law: &Law) -> Result<Self, ParameterError> {
-        let rest = Self::through(law, law.history.state, law.history.coldest_c);
+        let mut rest = Self::through(law, law.history.state, law.history.coldest_c);
+        rest.commit(law, law.start_c, true);
         check("mount.sag_m", !rest.is_tight(law))?;
         check("bias_stress_pa", rest.stress_pa(law, law.start_c) >= 0.0)?;
         Ok(rest)
@@ -142,7 +161,7 @@ impl Phases {
     /// The temperature turned or passed an event at `t` degrees C and goes up from here, or down.
     pub fn commit(&mut self, law: &Law, t: f64, up: bool) {
         *self = self.moved(t);
-        let away = t - law.rest_c;
+        let away = self.at_c - law.rest_c;
         for part in &mut self.parts[..law.shares.len()] {
             if part.m < SAME {
                 *part = Part::default();
@@ -166,6 +185,11 @@ impl Phases {
 
     /// The same at another temperature of the line.
     fn moved(&self, t: f64) -> Self {
+        // In electrical runaway a temperature may be any number, or none.
+        let t = match t.is_nan() {
+            true => self.at_c,
+            false => t.clamp(-FURTHEST_C, FURTHEST_C),
+        };
         let (by, mut moved) = (t - self.at_c, *self);
         for (part, slope) in moved.parts.iter_mut().zip(&self.slopes.parts) {
             part.m += slope.m * by;
@@ -181,7 +205,7 @@ impl Phases {
     pub fn fractions(&self, law: &Law, t: f64) -> [f64; 2] {
         let [m, r] = self.moved(t).sums(law);
         let m = m.clamp(0.0, 1.0);
-        [m, r.clamp(0.0, 1.0 - m)]
+        [m, r.min(1.0 - m).max(0.0)]
     }
 
     fn sums(&self, law: &Law) -> [f64; 2] {
@@ -221,7 +245,7 @@ impl Phases {
 
     /// Strain beyond that at which the sag was measured at a temperature of the line, without elastic parts, 1.
     pub fn strain_at(&self, t: f64) -> f64 {
-        self.strain + self.slopes.strain * (t - self.at_c)
+        self.moved(t).strain
     }
 
     /// Stress at a temperature of the line, Pa.
@@ -291,21 +315,14 @@ impl Phases {
         best
     }
 
-    /// Slopes by a guess, and by how much that is wrong.
-    fn slopes(
-        &self,
-        law: &Law,
-        [theta_m, theta_r]: [f64; 2],
-        way: f64,
-        guess: &Guess,
-    ) -> (Slopes, f64) {
-        let piece = &law.curve.pieces[guess.piece];
-        let rho = law.r.rate(self.rho, theta_r, guess.way_r);
+    /// What turns by a guess.
+    fn turns(&self, law: &Law, [theta_m, theta_r]: [f64; 2], guess: &Guess) -> Turns {
         let away = self.at_c - law.rest_c;
-        // Strain by kelvin: alone, by theta_M and by theta_R.
-        let (mut alone, mut by_m, mut by_r) = (law.expansion, 0.0, 0.0);
-        let (mut turns, mut plays) = ([(0.0, 0.0, 0.0); ALL], [false; ALL]);
-        let mut both = false;
+        let mut turns = Turns {
+            rho: law.r.rate(self.rho, theta_r, guess.way_r),
+            alone: law.expansion,
+            ..Turns::default()
+        };
         for (k, (share, part)) in law.shares.iter().zip(&self.parts).enumerate() {
             let m = share.band.rate(part.m, theta_m, guess.way_m);
             let (free, per_m) = match (m < 0.0, guess.way_m > 0.0) {
@@ -313,35 +330,42 @@ impl Phases {
                 (true, true) => (0.0, part.x / part.m),
                 (true, false) => (1.0, (away - part.x) / (1.0 - part.m)),
             };
-            turns[k] = (m, free, per_m);
-            alone += share.weight * law.expansion_m * free;
-            by_m += share.weight * (law.strain_m + law.expansion_m * per_m) * m;
+            turns.parts[k] = (m, free, per_m);
+            turns.alone += share.weight * law.expansion_m * free;
+            turns.by_m += share.weight * (law.strain_m + law.expansion_m * per_m) * m;
             if !share.has_r {
                 continue;
             }
             let over = self.rho - (1.0 - part.m);
-            let tie = over.abs() <= SAME;
-            let (r_grows, rest_grows) = (sign(rho, -guess.way_r), sign(m, guess.way_m));
-            let alike = tie && r_grows * rest_grows > 0.0;
-            both |= alike;
-            plays[k] = match tie {
+            turns.ties[k] = over.abs() <= SAME;
+            let (r_grows, rest_grows) = (sign(turns.rho, -guess.way_r), sign(m, guess.way_m));
+            turns.by_play[k] = match turns.ties[k] {
                 false => over < 0.0,
-                true if alike => guess.by_play,
+                true if r_grows * rest_grows > 0.0 => guess.by_play,
                 true => r_grows < rest_grows,
             };
-            if plays[k] {
-                by_r += share.weight * law.strain_r * rho;
+            if turns.by_play[k] {
+                turns.by_r += share.weight * law.strain_r * turns.rho;
             } else {
-                by_m -= share.weight * law.strain_r * m;
+                turns.by_m -= share.weight * law.strain_r * m;
             }
         }
-        let kappa = piece.stiffness_pa;
+        turns
+    }
+
+    /// Slopes by a guess for a temperature that goes `way`, and by how much that is wrong.
+    fn slopes(&self, law: &Law, thetas: [f64; 2], way: f64, guess: &Guess) -> (Slopes, f64) {
+        let (piece, turns) = (
+            &law.curve.pieces[guess.piece],
+            self.turns(law, thetas, guess),
+        );
+        let (by_m, by_r, kappa) = (turns.by_m, turns.by_r, piece.stiffness_pa);
         let gives = 1.0 - kappa * (by_m / law.slope_m + by_r / law.slope_r);
-        let strain = (alone + by_m + by_r) / gives;
+        let strain = (turns.alone + by_m + by_r) / gives;
         let theta_m = 1.0 + kappa * strain / law.slope_m;
         let theta_r = 1.0 + kappa * strain / law.slope_r;
         let mut slopes = Slopes {
-            rho: rho * theta_r,
+            rho: turns.rho * theta_r,
             strain,
             theta_m,
             theta_r,
@@ -350,28 +374,28 @@ impl Phases {
         };
         let mut wrong = f64::max(-theta_m * guess.way_m * way, -theta_r * guess.way_r * way);
         for (k, share) in law.shares.iter().enumerate() {
-            let (turn, free, per_m) = turns[k];
+            let (turn, free, per_m) = turns.parts[k];
             let m = turn * theta_m;
             slopes.parts[k] = Part {
                 m,
                 x: free + per_m * m,
             };
             if share.has_r {
-                let [chosen, other] = match plays[k] {
+                let [chosen, other] = match turns.by_play[k] {
                     true => [slopes.rho, -m],
                     false => [-m, slopes.rho],
                 };
                 slopes.r += share.weight * chosen;
-                if both && (self.rho - (1.0 - self.parts[k].m)).abs() <= SAME {
+                if turns.ties[k] {
                     wrong = wrong.max((chosen - other) * way);
                 }
             }
         }
-        let above = self.strain >= piece.high - SAME_STRAIN;
-        let below = self.strain <= piece.low + SAME_STRAIN;
-        if above || below {
-            let leaves = if above { strain * way } else { -strain * way };
-            wrong = wrong.max(leaves);
+        if self.strain >= piece.high - SAME_STRAIN {
+            wrong = wrong.max(strain * way);
+        }
+        if self.strain <= piece.low + SAME_STRAIN {
+            wrong = wrong.max(-strain * way);
         }
         (slopes, wrong)
     }

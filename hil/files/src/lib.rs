@@ -120,5 +120,5 @@ pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times}
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
 pub use warmth::{SKIN_C, SceneMaterial, warmth_c};
-pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
+pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile, WireState};
 pub use words::{axes_named, norm, scope};

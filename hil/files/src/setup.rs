@@ -16,10 +16,11 @@ use super::person::{PersonFile, Wearer};
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
-use super::wire::{AlloyFile, WireFile};
+use super::wire::{AlloyFile, WireFile, check_rest};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
 use palpate_core::guard::{Limits, Memory};
+use palpate_core::physics::WireParameters;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -193,6 +194,12 @@ pub(super) fn mounted_of(
     wire.value.fits(&wire.source, &alloy.value)?;
     let mount = &bench.value.mount;
     mount.fits(&bench.source, wire.value.length_mm)?;
+    let worn = WireParameters {
+        mount: mount.parameters(),
+        ..wire.value.parameters(&alloy.value)
+    };
+    let tissue = bench.value.tissue.parameters();
+    check_rest(&wire.source, &bench.source, &worn, &tissue)?;
     Ok((wire, alloy))
 }
 

@@ -130,6 +130,9 @@ pub fn outcome(
         worn.take_stretches(end, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
     }
+    if worn.was_tight(worn.now()) {
+        outcome.excluded.get_or_insert("bow past nine tenths");
+    }
     let peaks = worn.peaks(worn.now());
     if let Some(felt) = perceiver.felt(peaks.shallow_c) {
         outcome.levels = felt.levels;

@@ -114,7 +114,7 @@ fn missing(summary: &Summary, conclusion: &mut Conclusion) {
     );
 }
 
-/// Adds temperatures beyond the model, with their time.
+/// What lies beyond the model: temperatures, and since when; a bow that is pulled straight.
 fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
     let passed = [
         ("a wire", summary.hottest_wire_c, model::WIRE_C),
@@ -125,6 +125,11 @@ fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
         beyond.map(|_| format!("{what} passed {most:.0} C"))
     });
     let passed: Vec<String> = passed.collect();
+    if trace.ledger.tight {
+        let most = model::TIGHTEST * 100.0;
+        let text = format!("a wire's bow passed {most:.0} % of its sag: mount.sag_um is too small");
+        conclusion.add(Verdict::BeyondTheModel, text);
+    }
     if passed.is_empty() {
         return;
     }

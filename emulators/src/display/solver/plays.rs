@@ -1,4 +1,4 @@
-//! The phases of a wire: parallel plays, whose hysteresis is piecewise linear in temperature.
+//! The phases of a wire without a history: plays in parallel, whose hysteresis is piecewise linear in temperature.
 //!
 //! Between two thresholds every share changes evenly with temperature, so the heat balance stays linear and the solver
 //! exact. The memory changes only at events (a turn of the temperature, a threshold passed), which makes it
@@ -11,33 +11,8 @@
 
 use palpate_core::physics::{ParameterError, WireParameters};
 
+use super::phase::{Branch, Heading};
 use super::strain::Strain;
-
-/// Which way the wire's temperature is going.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heading {
-    /// Heating.
-    Up,
-    /// Cooling.
-    Down,
-}
-
-/// A range of temperature in which the law is one straight line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Branch {
-    /// d xi/dT of the martensite, 1/K; never positive.
-    pub slope: f64,
-    /// Latent heat that a kelvin takes up or releases, J/K; never negative.
-    pub latent: f64,
-    /// Change of the total strain, 1/K.
-    pub strain: f64,
-    /// Holds down to here, degrees C.
-    pub low: f64,
-    /// Holds up to here, degrees C.
-    pub high: f64,
-    /// Whether it ends when the temperature turns.
-    pub one_way: bool,
-}
 
 /// Temperatures this close count as the same threshold, K.
 const SAME: f64 = 2e-11;
@@ -145,9 +120,9 @@ impl Share {
     }
 }
 
-/// The phases of one wire.
+/// The plays of one wire.
 #[derive(Clone, Debug)]
-pub struct Phase {
+pub struct Plays {
     plays: Vec<Share>,
     /// As austenite: strain by stress, and expansion, 1/K.
     elastic: f64,
@@ -156,7 +131,7 @@ pub struct Phase {
     rest_c: f64,
 }
 
-impl Phase {
+impl Plays {
     /// As after cooling from far below, then heating to `start_c`: martensite unless hot.
     ///
     /// # Errors
@@ -164,7 +139,7 @@ impl Phase {
     pub fn new(wire: &WireParameters, start_c: f64) -> Result<Self, ParameterError> {
         let m = &wire.mechanics;
         let compliance = 1.0 / m.modulus_martensite_pa - 1.0 / m.modulus_austenite_pa;
-        let plays = wire.plays()?.into_iter().map(|play| Share {
+        let shares = wire.plays()?.into_iter().map(|play| Share {
             austenite: (play.bands.austenite_start_c, play.bands.austenite_finish_c),
             martensite: (
                 play.bands.martensite_start_c,
@@ -177,14 +152,14 @@ impl Phase {
             expansion: (m.expansion_martensite - m.expansion_austenite) * play.martensite,
             memory: 1.0,
         });
-        let mut phase = Self {
-            plays: plays.collect(),
+        let mut plays = Self {
+            plays: shares.collect(),
             elastic: wire.bias_stress_pa / m.modulus_austenite_pa,
             expansion: m.expansion_austenite,
             rest_c: m.rest_c,
         };
-        phase.commit(start_c);
-        Ok(phase)
+        plays.commit(start_c);
+        Ok(plays)
     }
 
     /// Martensite fraction at `t` degrees C, reached without a turn since the last event; in [0, 1].

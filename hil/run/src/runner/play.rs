@@ -223,6 +223,7 @@ impl<'a> Finger<'a> {
         let ledger = Ledger {
             energy_uj: (totals.electrical_j * 1e6).round() as u64,
             hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
+            tight: totals.tight,
             margins,
             length_us: end.as_micros(),
             ..Ledger::default()

@@ -162,7 +162,7 @@ impl Exact {
             }),
             Event::Threshold(at, heading) => {
                 self.heading = heading;
-                self.phase.commit(at);
+                self.phase.commit(at, heading);
             }
         }
     }
