@@ -14,36 +14,35 @@ use core::f64::consts::PI;
 
 use super::{Bow, DEEPEST, WireParameters};
 
-/// Most that a piece's displacement lies beside the bow's own, m.
+/// Largest distance of a piece's displacement from the bow's own, m.
 pub const BEND_M: f64 = 0.01e-6;
-/// Part of its rest sag past which a bow is beyond the model: its ends are no longer where they were, and a wire that tight
-/// is no bow.
+/// Displacement over rest sag past which a bow is beyond the model: a wire that tight is no bow.
 pub const TIGHTEST: f64 = 0.9;
 /// Smallest sag that has a knot, over the rest sag. A tighter wire is a straight rod.
 const STRAIGHT: f64 = 0.02;
-/// Looks at a piece between its ends.
+/// Number of places between a piece's ends at which its distance from the bow is taken.
 const LOOKS: u32 = 15;
 
 /// A range of strains over which displacement and stress are straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Strains that it holds between, 1; counted from rest, longer being positive.
+    /// Lowest strain of the piece, 1; strains count from rest, longer being positive.
     pub low: f64,
-    /// Its upper end, 1.
+    /// Highest strain of the piece, 1.
     pub high: f64,
     /// Strain that displacement and stress are counted from, 1.
     pub from: f64,
-    /// Displacement of the skin there, m, positive into it.
+    /// Displacement of the bow's middle at `from`, m, positive into the skin.
     pub u_m: f64,
     /// Change of the displacement with strain, m; never positive.
     pub u_per: f64,
-    /// Stress there beyond the bias stress, Pa.
+    /// Stress at `from` beyond the bias stress, Pa.
     pub stress_pa: f64,
     /// Fall of the stress with strain (kappa), Pa; never negative.
     pub stiffness_pa: f64,
-    /// Whether skin and wire are apart in it.
+    /// True where skin and wire are apart.
     pub apart: bool,
-    /// Whether it is past [`TIGHTEST`].
+    /// True past [`TIGHTEST`].
     pub tight: bool,
 }
 
@@ -62,12 +61,12 @@ impl Piece {
 /// The pieces of a bow, the tightest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// At least one, from minus to plus infinity, each beginning where the one before ends.
+    /// One piece or more, from minus to plus infinity, each beginning where the one before ends.
     pub pieces: Vec<Piece>,
 }
 
 impl Curve {
-    /// Of a wire in its bow.
+    /// Makes the curve of a wire in its bow.
     pub fn new(bow: &Bow, wire: &WireParameters) -> Self {
         let shape = Shape::new(bow, wire);
         let rest = shape.rest;
@@ -126,13 +125,13 @@ impl Curve {
     }
 }
 
-/// The bow itself.
+/// The bow as its balance of forces describes it.
 struct Shape {
     /// Sag at rest, m.
     rest: f64,
     /// Excess length over the sag's square, 1/m2.
     a: f64,
-    /// What bending and tissue make of it, 1.
+    /// Stiffness of bending and tissue over that of stretching (b above), 1.
     b: f64,
     /// Young's modulus, Pa.
     modulus: f64,
@@ -179,7 +178,7 @@ impl Shape {
         }
     }
 
-    /// Most that a straight piece between two sags lies beside the bow, m.
+    /// Largest distance of a straight piece between two sags from the bow, m.
     fn bend(&self, from: f64, to: f64) -> f64 {
         let (first, last) = (self.strain(from), self.strain(to));
         let per_strain = (to - from) / (last - first);

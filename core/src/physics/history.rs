@@ -1,29 +1,29 @@
-//! What a wire went through before its first pulse, and what that leaves it in.
+//! The history of a wire before its first pulse.
 
 use super::{Hysteresis, ParameterError, WireParameters, check, finite};
 
 /// A state that a wire is brought into by temperature alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireState {
-    /// Cooled far below its martensite finish: all martensite.
+    /// All martensite: cooled far below its martensite finish.
     Cold,
-    /// Heated until all of it is austenite, then cooled to rest.
+    /// Austenite and R: heated until all of it was austenite, then cooled to rest.
     Passed,
 }
 
-/// What a wire went through. Its phases exclude one another, and the stress in its bow moves them ([`super::Law`]).
+/// History of a wire whose phases exclude one another, moved by the stress in its bow ([`super::Law`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct History {
-    /// State in which it begins.
+    /// State in which the wire begins.
     pub state: WireState,
     /// State in which [`super::Mount::sag_m`] was measured.
     pub sag_state: WireState,
-    /// Coldest it has been since a pass, degrees C; `None`: no colder than at rest.
+    /// Lowest temperature since a pass, degrees C; `None`: that of rest.
     pub coldest_c: Option<f64>,
 }
 
 impl WireParameters {
-    /// Whether phases that exclude one another can be computed of it.
+    /// Checks that phases that exclude one another can be computed of the wire.
     pub(super) fn check_history(&self) -> Result<(), ParameterError> {
         let Some(history) = &self.history else {
             return Ok(());

@@ -20,37 +20,37 @@ use super::{
     finite,
 };
 
-/// Shares that the martensite turns in.
+/// Number of shares that the martensite turns in.
 pub const SHARES: usize = 8;
-/// Those, and the share without hysteresis.
+/// Number of all shares, with the one without hysteresis.
 pub(super) const ALL: usize = SHARES + 1;
 
 /// The bands of one play at no stress, degrees C and kelvins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
-    /// Heating: it is gone from here on.
+    /// Heating: theta from which on the play is gone, and the width of its band.
     hot: f64,
     warm: f64,
-    /// Cooling: it begins to form here.
+    /// Cooling: theta at which the play begins to form, and the width of its band.
     cool: f64,
     cold: f64,
 }
 
-/// Temperatures, and fractions, this close are the same.
+/// Distance at which two temperatures, or two fractions, are the same.
 pub(super) const SAME: f64 = 2e-11;
 
 impl Band {
-    /// Where heating begins to turn a play that stands at `p`.
+    /// Theta at which heating begins to turn a play that stands at `p`.
     pub(super) fn up(&self, p: f64) -> f64 {
         self.hot - p * self.warm
     }
 
-    /// Where cooling begins to turn it.
+    /// Theta at which cooling begins to turn a play that stands at `p`.
     pub(super) fn down(&self, p: f64) -> f64 {
         self.cool - p * self.cold
     }
 
-    /// Its change with theta where that rises or falls (`way` 1 or -1), 1/K: 0 at rest, else negative.
+    /// Change of a play with a theta that rises or falls (`way` 1 or -1), 1/K: 0 at rest, else negative.
     pub(super) fn rate(&self, p: f64, theta: f64, way: f64) -> f64 {
         if way > 0.0 {
             let turns = p > 0.0 && theta >= self.up(p) - SAME;
@@ -66,13 +66,13 @@ impl Band {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Share {
     pub(super) band: Band,
-    /// Part of the wire that it is.
+    /// Part of the wire.
     pub(super) weight: f64,
-    /// Whether it can be R: the share without hysteresis cannot.
+    /// False of the share without hysteresis, which has no R phase.
     pub(super) has_r: bool,
 }
 
-/// All of a wire that its phases follow from.
+/// Constants of a wire that its phases follow from.
 #[derive(Clone, Debug)]
 pub struct Law {
     pub(super) shares: Vec<Share>,
@@ -83,7 +83,7 @@ pub struct Law {
     /// Strains of the whole phases, 1.
     pub(super) strain_m: f64,
     pub(super) strain_r: f64,
-    /// Expansion of austenite, and what martensite's is beyond it, 1/K.
+    /// Expansion of austenite, and the martensite's minus the austenite's, 1/K.
     pub(super) expansion: f64,
     pub(super) expansion_m: f64,
     /// Temperature of no thermal strain, degrees C.
@@ -91,18 +91,19 @@ pub struct Law {
     /// Latent heats of the whole phases, J.
     pub(super) latent_m: f64,
     pub(super) latent_r: f64,
+    /// Bias stress, and the modulus of the bow, Pa.
     pub(super) bias_pa: f64,
     pub(super) modulus_pa: f64,
     /// Strain at which the sag was measured, 1.
     pub(super) rest_strain: f64,
     pub(super) curve: Curve,
     pub(super) history: History,
-    /// Temperature at which it rests, degrees C.
+    /// Temperature at which the wire rests, degrees C.
     pub(super) start_c: f64,
 }
 
 impl Law {
-    /// Of a wire on a finger, at rest at `start_c` degrees C, where its sag was measured too.
+    /// Makes the law of a wire on a finger; it rests, and its sag was measured, at `start_c` degrees C.
     ///
     /// # Errors
     /// A parameter that cannot be computed with; `history` for a wire without one.
@@ -115,7 +116,7 @@ impl Law {
         Self::of(wire, Curve::new(&bow, wire), start_c, SHARES)
     }
 
-    /// The same in a bow of another curve.
+    /// Makes the law of a wire in a bow of any curve.
     ///
     /// # Errors
     /// A parameter that cannot be computed with; `history` for a wire without one.
@@ -181,8 +182,8 @@ impl Law {
         Ok(law)
     }
 
-    /// Whether heating takes up heat everywhere. Where one phase that shrinks pulls the other back faster than the wire gets
-    /// warmer, what that releases may be more: temperature would jump.
+    /// True if heating takes up heat everywhere. A phase that shrinks may pull the other one back faster than the wire gets
+    /// warmer; if that released more heat than the wire takes up, its temperature would jump.
     fn takes_heat(&self, plain_j_k: f64) -> bool {
         let of = |band: &Band, count: f64| 1.0 / (band.warm.min(band.cold) * count);
         let whole = self.shares.iter().filter(|share| share.has_r).count() as f64;
@@ -213,7 +214,7 @@ impl Law {
     }
 }
 
-/// `count` shares of the alloy's martensite, and the one without hysteresis if there is any.
+/// Makes `count` shares of the alloy's martensite, and the one without hysteresis if there is any.
 fn shares(free: &Alloy, reversible: f64, count: usize) -> Vec<Share> {
     let n = count as f64;
     let warm = (free.austenite_finish_c - free.austenite_start_c) / n;

@@ -6,26 +6,26 @@
 use super::law::{ALL, Band, Law, SAME};
 use super::{ParameterError, WireState, check};
 
-/// Strains this close are the same; rounding is a hundredth of it.
+/// Distance at which two strains are the same; rounding is a hundredth of it.
 const SAME_STRAIN: f64 = 1e-15;
-/// Where a history begins, degrees C: all of any wire is martensite, or austenite.
+/// Temperatures at which a history begins, degrees C: all of any wire is martensite, or austenite.
 const COLDEST_C: f64 = -273.15;
 const HOTTEST_C: f64 = 600.0;
-/// Temperatures beyond are as good as this, degrees C.
+/// Largest temperature that is computed with, degrees C; a higher one counts as this.
 const FURTHEST_C: f64 = 1e6;
-/// Events on a walk between two temperatures. A bound on the work, far beyond what a wire has.
+/// Most events on a walk between two temperatures: a bound on the work, far beyond what a wire has.
 const EVENTS: usize = 10_000;
 
-/// How a share of the martensite stands, or changes with a kelvin.
+/// State of a share of the martensite, or its change with a kelvin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Part {
-    /// The part of it that is martensite.
+    /// Fraction of the share that is martensite.
     m: f64,
-    /// What that part has expanded for, K: m (T - T0) but for the straightening.
+    /// Kelvins of expansion beyond austenite's: m (T - T0) but for the straightening.
     x: f64,
 }
 
-/// Where a wire's phases stand and how they go on. They belong to the [`Law`] that they were made with.
+/// State of a wire's phases, and the line on which it goes on. It belongs to the [`Law`] that it was made with.
 #[derive(Clone, Copy, Debug)]
 pub struct Phases {
     at_c: f64,
@@ -37,25 +37,25 @@ pub struct Phases {
     slopes: Slopes,
 }
 
-/// What a kelvin changes until the next event.
+/// Changes with a kelvin until the next event.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
     /// Fraction of martensite, 1/K.
     pub martensite: f64,
     /// Fraction of R, 1/K.
     pub r: f64,
-    /// Heat that a kelvin takes up beside the specific heat, J/K. Where stress outruns temperature it may be negative; both
-    /// together are not.
+    /// Heat that a kelvin takes up beside the specific heat, J/K. It may be negative where stress outruns temperature; the
+    /// sum of both is not.
     pub latent: f64,
     /// Strain, 1/K.
     pub strain: f64,
     /// Displacement of the bow's middle, m/K.
     pub u_m: f64,
-    /// Holds down to here, degrees C.
+    /// Lowest temperature of the line, degrees C.
     pub low: f64,
-    /// Holds up to here, degrees C.
+    /// Highest temperature of the line, degrees C.
     pub high: f64,
-    /// Whether it ends when the temperature turns.
+    /// True if the line ends when the temperature turns.
     pub one_way: bool,
 }
 
@@ -71,8 +71,8 @@ struct Slopes {
     piece: usize,
 }
 
-/// What has to be known of a line before it can be computed: which way both thetas go, 1 or -1, the piece of the bow, and
-/// whether R follows its play where that and the rest of a share shrink together.
+/// Assumptions that make a line computable: the way of both thetas, 1 or -1, the piece of the bow, and whether R follows its
+/// play in a share whose play and austenite change alike.
 #[derive(Clone, Copy)]
 struct Guess {
     way_m: f64,
@@ -81,10 +81,10 @@ struct Guess {
     by_play: bool,
 }
 
-/// What turns by a guess, and the strain of that.
+/// Rates of all shares by a guess, and of their strain.
 #[derive(Default)]
 struct Turns {
-    /// Rate of each share with its theta, 1/K, and what it has expanded for: by a kelvin, and by its change.
+    /// Of each share the rate with theta_M, 1/K, and the change of `x` by a kelvin and by the share's own change.
     parts: [(f64, f64, f64); ALL],
     rho: f64,
     /// Shares whose R just meets their austenite.
@@ -111,7 +111,7 @@ impl Phases {
         Ok(rest)
     }
 
-    /// The wire as its sag was measured: at its bias stress, whatever its bow will do.
+    /// Brings a wire into the state in which its sag was measured, at its bias stress throughout.
     pub(super) fn of_sag(law: &Law) -> Self {
         let mut free = law.clone();
         free.curve.pieces.truncate(1);
@@ -158,7 +158,7 @@ impl Phases {
         self.commit(law, to_c, up);
     }
 
-    /// The temperature turned or passed an event at `t` degrees C and goes up from here, or down.
+    /// Takes an event or a turn at `t` degrees C; the temperature goes up from there, or down.
     pub fn commit(&mut self, law: &Law, t: f64, up: bool) {
         *self = self.moved(t);
         let away = self.at_c - law.rest_c;
@@ -178,12 +178,12 @@ impl Phases {
         self.line = self.line(law, up);
     }
 
-    /// The line that leads on.
+    /// Returns the line that leads on.
     pub const fn line_on(&self) -> &Line {
         &self.line
     }
 
-    /// The same at another temperature of the line.
+    /// Moves a copy to another temperature of the line.
     fn moved(&self, t: f64) -> Self {
         // In electrical runaway a temperature may be any number, or none.
         let t = match t.is_nan() {
@@ -258,12 +258,12 @@ impl Phases {
         law.curve.pieces[self.piece].u_at(self.strain_at(t))
     }
 
-    /// Whether skin and wire are apart on the line.
+    /// True if skin and wire are apart on the line.
     pub fn is_apart(&self, law: &Law) -> bool {
         law.curve.pieces[self.piece].apart
     }
 
-    /// Whether the bow is past [`super::TIGHTEST`] on the line.
+    /// True if the bow is past [`super::TIGHTEST`] on the line.
     pub fn is_tight(&self, law: &Law) -> bool {
         law.curve.pieces[self.piece].tight
     }
@@ -315,7 +315,7 @@ impl Phases {
         best
     }
 
-    /// What turns by a guess.
+    /// Computes rates by a guess.
     fn turns(&self, law: &Law, [theta_m, theta_r]: [f64; 2], guess: &Guess) -> Turns {
         let away = self.at_c - law.rest_c;
         let mut turns = Turns {
@@ -353,7 +353,7 @@ impl Phases {
         turns
     }
 
-    /// Slopes by a guess for a temperature that goes `way`, and by how much that is wrong.
+    /// Computes slopes by a guess for a temperature that goes `way`, and by how much the guess is wrong.
     fn slopes(&self, law: &Law, thetas: [f64; 2], way: f64, guess: &Guess) -> (Slopes, f64) {
         let (piece, turns) = (
             &law.curve.pieces[guess.piece],
@@ -400,7 +400,7 @@ impl Phases {
         (slopes, wrong)
     }
 
-    /// What the slopes come to, and where they end.
+    /// Sums up the slopes, and finds where they end.
     fn line(&self, law: &Law, up: bool) -> Line {
         let (slopes, piece) = (&self.slopes, &law.curve.pieces[self.piece]);
         let mut martensite = 0.0;
@@ -455,7 +455,7 @@ struct Ends {
 }
 
 impl Ends {
-    /// Something comes to its end `gap` further on, and changes by `slope` with a kelvin.
+    /// Adds the end of a value that is `gap` away and comes nearer by `slope` with a kelvin.
     fn reach(&mut self, gap: f64, slope: f64) {
         let at = self.at + gap.max(0.0) / slope;
         if slope > 0.0 {
@@ -465,7 +465,8 @@ impl Ends {
         }
     }
 
-    /// A play that stands at `p` and changes by `slope` with a kelvin begins or ends; its theta and the slope of that.
+    /// Adds the begin or end of a play that stands at `p` and changes by `slope` with a kelvin, by its theta and that one's
+    /// slope.
     fn play(&mut self, band: &Band, p: f64, slope: f64, (theta, theta_slope): (f64, f64)) {
         if slope < 0.0 || slope > 0.0 {
             self.reach(p, -slope);

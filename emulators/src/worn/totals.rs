@@ -19,7 +19,7 @@ pub struct DisplayTotals {
     pub hottest_tissue_c: f64,
     /// Hottest tissue 0.4 mm deep under any wire, degrees C.
     pub hottest_deep_c: f64,
-    /// Whether a bow has been past nine tenths of its sag.
+    /// True if a bow has been past nine tenths of its sag.
     pub tight: bool,
     /// Largest burn integrals under any wire: Henriques' Omega and minutes at 43 C.
     pub dose: (f64, f64),

@@ -51,9 +51,8 @@ pub struct DesignOutcome {
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
     pub skin_c: [f64; 2],
-    /// Why it is no design: the first row of the limit table that forbids it, `size` where the guard has no rows of heat for
-    /// such a wire, or `bow` where the wire shortens by more than
-    /// straightens its bow, which the bow's gain does not know.
+    /// Reason why it is no design: the first row of the limit table that forbids it, or `bow` where the wire shortens by
+    /// more than its bow's model knows.
     pub excluded: Option<&'static str>,
 }
 
@@ -130,10 +129,8 @@ pub fn outcome(
         worn.take_stretches(end, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
     }
-    if worn.was_tight(worn.now()) {
-        outcome.excluded.get_or_insert("bow past nine tenths");
-    }
     let peaks = worn.peaks(worn.now());
+    let tight = worn.was_tight(worn.now());
     if let Some(felt) = perceiver.felt(peaks.shallow_c) {
         outcome.levels = felt.levels;
     }
@@ -148,7 +145,13 @@ pub fn outcome(
             "skin-peak",
             outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64,
         ),
-        ("bow", change * wire.length_m > slack_m(wire)),
+        (
+            "bow",
+            match wire.history {
+                None => change * wire.length_m > slack_m(wire),
+                Some(_) => tight,
+            },
+        ),
     ];
     outcome.excluded = outcome.excluded.or_else(|| first(&rows));
     Ok(outcome)

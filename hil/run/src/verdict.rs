@@ -114,7 +114,7 @@ fn missing(summary: &Summary, conclusion: &mut Conclusion) {
     );
 }
 
-/// What lies beyond the model: temperatures, and since when; a bow that is pulled straight.
+/// Adds temperatures beyond the model, with the time since when, and a bow that was pulled straight.
 fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
     let passed = [
         ("a wire", summary.hottest_wire_c, model::WIRE_C),

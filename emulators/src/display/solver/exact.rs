@@ -187,7 +187,7 @@ impl Exact {
         }
     }
 
-    /// The same wire with these phases.
+    /// Replaces the phases of the wire.
     #[cfg(test)]
     pub(crate) fn with_phase(self, phase: Phase) -> Self {
         Self { phase, ..self }
@@ -248,7 +248,7 @@ impl Exact {
         self.phase.strain(self.wire_c())
     }
 
-    /// Whether the bow has been past the tightest that the model knows.
+    /// True if the bow has been past the tightest that the model knows.
     pub(crate) const fn was_tight(&self) -> bool {
         self.phase.was_tight()
     }

@@ -39,9 +39,9 @@ pub struct Branch {
 /// The phases of one wire.
 #[derive(Clone, Debug)]
 pub enum Phase {
-    /// Of a wire without a history.
+    /// Plays in parallel: a wire without a history.
     Parallel(Plays),
-    /// Of a wire with one.
+    /// Phases that exclude one another: a wire with a history.
     Exclusive(Box<Exclusive>),
 }
 
@@ -50,12 +50,12 @@ pub enum Phase {
 pub struct Exclusive {
     law: Arc<Law>,
     phases: Phases,
-    /// Whether the bow has been past the tightest that the model knows.
+    /// True once the bow has been past the tightest that the model knows.
     tight: bool,
 }
 
 impl Phase {
-    /// Of a wire on a finger at rest at `start_c`: as its history says, or else as after cooling from far below.
+    /// Makes the phases of a wire on a finger at rest at `start_c`: by its history, or else as after heating from far below.
     ///
     /// # Errors
     /// A parameter that cannot be computed with.
@@ -81,7 +81,7 @@ impl Phase {
         }
     }
 
-    /// Latent heat that the wire holds at `t`, reached in such a way, J: none where all of it is martensite.
+    /// Latent heat that the wire holds at `t`, reached without a turn since the last event, J: none where all of it is martensite.
     pub fn latent_j(&self, t: f64) -> f64 {
         match self {
             Self::Parallel(plays) => plays.latent_j(t),
@@ -89,7 +89,7 @@ impl Phase {
         }
     }
 
-    /// Strain at `t`, reached in such a way.
+    /// Strain at `t`, reached without a turn since the last event.
     pub fn strain(&self, t: f64) -> Strain {
         match self {
             Self::Parallel(plays) => plays.strain(t),
@@ -105,7 +105,7 @@ impl Phase {
         }
     }
 
-    /// What the skin does from `t` on, where a wire is worn, and the temperatures between which it does.
+    /// Motion of the skin from `t` on under a wire that is worn, and the temperatures between which it holds.
     pub fn motion(
         &self,
         worn: &Worn,
@@ -131,7 +131,7 @@ impl Phase {
         }
     }
 
-    /// The temperature turned or passed a threshold at `t`: what has transformed is remembered.
+    /// Takes a turn of the temperature or a threshold passed at `t`.
     pub fn commit(&mut self, t: f64, heading: Heading) {
         match self {
             Self::Parallel(plays) => plays.commit(t),
@@ -139,7 +139,7 @@ impl Phase {
         }
     }
 
-    /// Whether the bow has been past nine tenths of its sag.
+    /// True once the bow has been past nine tenths of its sag.
     pub const fn was_tight(&self) -> bool {
         match self {
             Self::Parallel(_) => false,

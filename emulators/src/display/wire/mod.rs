@@ -250,7 +250,7 @@ impl Wire {
         self.solver.tissue_c()
     }
 
-    /// Whether the bow has been past the tightest that the model knows until `at`.
+    /// True if the bow has been past the tightest that the model knows until `at`.
     pub fn was_tight(&mut self, at: Nanos) -> bool {
         self.advance(at);
         self.solver.was_tight()

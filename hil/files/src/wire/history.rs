@@ -1,4 +1,4 @@
-//! What a wire went through, and whether it can be at rest in its bow.
+//! Checks of a wire's history, and of its rest in its bow.
 
 use palpate_core::physics::{
     Hysteresis, Law, ParameterError, Phases, TIGHTEST, TissueParameters, WireParameters,
@@ -12,7 +12,7 @@ use crate::source::Source;
 const REST_C: f64 = 33.0;
 
 impl WireFile {
-    /// Whether the keys of a history go with each other and with the rest of the file.
+    /// Checks that the keys of a history go with each other and with the rest of the file.
     pub(super) fn check_history(&self, source: &Source) -> Result<(), FileError> {
         if self.sag_state.is_none() {
             let alone = match (self.state, self.coldest_c) {
@@ -60,7 +60,7 @@ impl WireFile {
     }
 }
 
-/// Whether a wire with a history can be at rest in its bow; `source` is the wire's, `mount` the bench's.
+/// Checks that a wire with a history can be at rest in its bow; `source` is the wire's file, `mount` the bench's.
 ///
 /// # Errors
 /// Names the line and key of what contradicts the rest.
