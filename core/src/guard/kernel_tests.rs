@@ -42,9 +42,10 @@ fn a_wire_of_the_table_has_its_rows_to_the_bit() {
     for (n, nm) in DIAMETERS_NM.into_iter().enumerate() {
         assert_eq!(worn(nm, 5000).kernel().unwrap().shallow, ROWS[n][1][0]);
         let short = worn(nm, 3000).kernel().unwrap();
-        for k in 0..DECAYS {
-            close(short.shallow[k], ROWS[n][2][0][k] * 5.0 / 3.0);
-            close(short.deep[k], ROWS[n][2][1][k] * 5.0 / 3.0);
+        for (found, rows) in [short.shallow, short.deep].iter().zip(&ROWS[n][2]) {
+            for (found, row) in found.iter().zip(rows) {
+                close(*found, row * 5.0 / 3.0);
+            }
         }
     }
 }
@@ -67,9 +68,10 @@ fn between_wires_of_the_table_rows_lie_on_straight_lines() {
     let um = libm::round(5000.0 / libm::sqrt(x));
     let share = (5000.0 / um * (5000.0 / um) - 1.0) / (25.0 / 9.0 - 1.0);
     let kernel = worn(50_000, um as u32).kernel().unwrap();
-    for k in 0..DECAYS {
-        let line = (1.0 - share) * ROWS[0][1][0][k] + share * ROWS[0][2][0][k];
-        close(kernel.shallow[k], line * 5000.0 / um);
+    let [long, short] = [1, 2].map(|m: usize| ROWS[0][m][0]);
+    for ((found, long), short) in kernel.shallow.iter().zip(long).zip(short) {
+        let line = (1.0 - share) * long + share * short;
+        close(*found, line * 5000.0 / um);
     }
 }
 
