@@ -91,7 +91,8 @@ impl Rig {
             peak: PEAK,
             ..Plant::default()
         };
-        let guard = Guard::new(HARD, plant, display.wires(), WornWire::default()).map_err(|e| failed(e.to_string()))?;
+        let guard = Guard::new(HARD, plant, display.wires(), WornWire::default())
+            .map_err(|e| failed(e.to_string()))?;
         let settings = RenderSettings {
             law: inverse(&display, &ModelSettings::default()).map_err(|e| failed(e.to_string()))?,
             style: Style::Smooth,
