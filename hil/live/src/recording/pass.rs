@@ -6,13 +6,11 @@ use std::path::Path;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
-use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
+use palpate_files::{FileError, Format, LONGEST_LINE, Lines, OutOfTime, Times, format_of, open};
 use palpate_records::{candump, mcap};
 use palpate_run::Identifiers;
 
-/// Longest line of a log, bytes: that of a CAN FD frame has 170.
-pub(super) const LONGEST: usize = 4096;
-/// Expected input, for errors.
+/// What this reads, for errors.
 const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
 
 fn too_many(label: &str, buses: usize, found: String) -> FileError {
@@ -70,7 +68,7 @@ impl Pass<File> {
             Some(format) => return Err(FileError::whole(label, EXPECTED, format.noun())),
         };
         if !is_mcap {
-            let lines = Lines::open(path, EXPECTED, LONGEST)?;
+            let lines = Lines::open(path, EXPECTED, LONGEST_LINE)?;
             return Ok(Self::Log(Log::new(lines, times)));
         }
         let reader = mcap::McapReader::new(BufReader::new(open(path, EXPECTED)?));
@@ -225,19 +223,19 @@ pub(super) struct Log<R> {
     times: Times,
     names: Vec<String>,
     count: usize,
-    other_kinds: usize,
+    beside: candump::Beside,
     /// A malformed line, which is a cut one if none follows.
     cut: Option<(bool, FileError)>,
 }
 
 impl<R: Read> Log<R> {
-    pub(super) const fn new(lines: Lines<R>, times: Times) -> Self {
+    pub(super) fn new(lines: Lines<R>, times: Times) -> Self {
         Self {
             lines,
             times,
             names: Vec::new(),
             count: 0,
-            other_kinds: 0,
+            beside: candump::Beside::default(),
             cut: None,
         }
     }
@@ -252,7 +250,7 @@ impl<R: Read> Log<R> {
                 return Err(error);
             }
             match candump::read_line(line) {
-                Ok(Some(logged)) => {
+                Ok(candump::Line::Frame(logged)) => {
                     let us = logged.at.as_micros();
                     let time = self.times.frame(&format!("{label}:{number}"), us);
                     let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
@@ -271,7 +269,7 @@ impl<R: Read> Log<R> {
                         frame: logged.frame,
                     }));
                 }
-                Ok(None) => self.other_kinds += 1,
+                Ok(candump::Line::Beside(beside)) => self.beside.add(beside),
                 Err(expected) => {
                     let error = malformed(&label, number, (expected, line), self.count);
                     let is_cut = candump::is_cut(line) && self.count > 0;
@@ -303,8 +301,9 @@ impl<R: Read> Log<R> {
                 self.count
             ));
         }
+        let beside = self.beside.words();
         if self.names.is_empty() {
-            let found = format!("none, and {} of another kind", self.other_kinds);
+            let found = beside.map_or("none".into(), |words| format!("none: {words}"));
             let expected = "classic data frames with 11-bit identifiers";
             return Err(FileError::whole(label, expected, found));
         }
@@ -312,6 +311,7 @@ impl<R: Read> Log<R> {
             let found = format!("{}: {}", self.names.len(), self.names.join(", "));
             return Err(too_many(label, buses, found));
         }
+        notes.extend(beside.map(|words| format!("{label}: {words}")));
         let mut interfaces = self.names.clone();
         interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
         let bus = |name| interfaces.iter().position(|i| i == name).unwrap_or(0);
