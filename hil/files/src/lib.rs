@@ -8,27 +8,35 @@
 
 mod activation;
 mod address;
+mod arrays;
 mod attached;
 mod bench;
 mod change;
 mod check;
+mod clock;
 mod columns;
+mod dialect;
 mod error;
 mod fault;
 mod felt;
 mod finger;
 mod format;
 mod guarded;
+mod gain;
 mod hardware;
 mod illusion;
 mod joint;
 mod layout;
 mod limits;
 mod loaded;
+mod made;
+mod messages;
 mod migrate;
 mod module;
 mod mount;
 mod near;
+mod objects;
+mod order;
 mod overrides;
 mod own_bench;
 mod person;
@@ -71,12 +79,14 @@ pub use bench::{
     ExternalClock, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
+pub use clock::Timing;
 pub use columns::{Columns, JOINT, Take};
 pub use error::{FileError, said, unnumbered};
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
 pub use format::{Format, headed};
+pub use gain::Gain;
 pub use illusion::{Illusion, SceneStroke};
 pub use joint::{Gate, Joint, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
@@ -85,6 +95,7 @@ pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
     load_protocol, load_scene, load_textures, load_wire,
 };
+pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
@@ -105,7 +116,7 @@ pub use reading::{
     LONGEST_LINE, Lines, Text, entries, format_of, is_stream, open, read_bytes, read_text,
 };
 pub use resolve::{FileKind, resolve, resolve_from};
-pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
+pub use rows::{Input, MOST_VALUES, Number, RowAt, Rows};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, Scene,
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,

@@ -26,6 +26,8 @@ pub enum TimeUnit {
     Us,
     /// Nanoseconds.
     Ns,
+    /// Dates with a time of day, `2026-03-01T12:00:00.25Z`; without a zone they are taken for UTC.
+    Date,
 }
 
 /// A column that says when, as `--time COLUMN[:UNIT]` names it.
@@ -47,7 +49,11 @@ impl FromStr for TimeColumn {
             "ms" => TimeUnit::Ms,
             "us" => TimeUnit::Us,
             "ns" => TimeUnit::Ns,
-            _ => return Err("expected a column and s, ms, us or ns, such as timestamp:ms".into()),
+            "date" => TimeUnit::Date,
+            _ => {
+                let expected = "expected a column and s, ms, us, ns or date, such as timestamp:ms";
+                return Err(expected.into());
+            }
         };
         match name {
             "" => Err("expected a column, such as timestamp:ms".into()),
@@ -62,18 +68,21 @@ impl FromStr for TimeColumn {
 impl TimeUnit {
     /// A field as microseconds, rounded.
     pub(super) fn micros(self, field: &str) -> Option<u64> {
+        if self == Self::Date {
+            return date_us(field);
+        }
         let whole = field.parse::<u64>().ok();
         match (self, whole) {
             (Self::Us, Some(us)) => return Some(us),
             (Self::Ms, Some(ms)) => return ms.checked_mul(1000),
             (Self::S, Some(s)) => return s.checked_mul(1_000_000),
             (Self::Ns, Some(ns)) => return Some(ns / 1000),
-            (_, None) => {}
+            (Self::Date, _) | (_, None) => {}
         }
         let us_per_unit = match self {
             Self::S => 1e6,
             Self::Ms => 1e3,
-            Self::Us => 1.0,
+            Self::Us | Self::Date => 1.0,
             Self::Ns => 1e-3,
         };
         let us = field.parse::<f64>().ok()? * us_per_unit;
@@ -88,8 +97,60 @@ impl TimeUnit {
             Self::Ms => "milliseconds",
             Self::Us => "microseconds",
             Self::Ns => "nanoseconds",
+            Self::Date => "dates",
         }
     }
+}
+
+/// Microseconds since 1970 of a date with a time of day: `2026-03-01T12:00:00.25Z`, with a blank in place of the `T`,
+/// with a zone such as `+02:00`, or without one, which is UTC.
+pub(super) fn date_us(text: &str) -> Option<u64> {
+    let (date, time) = text.split_once(['T', ' '])?;
+    let number = |text: &str| -> Option<i64> {
+        let digits =
+            !text.is_empty() && text.len() < 10 && text.bytes().all(|b| b.is_ascii_digit());
+        digits.then(|| text.parse().ok())?
+    };
+    let three = |text: &str, mark: char| -> Option<[i64; 3]> {
+        let mut parts = text.splitn(3, mark).map(number);
+        Some([parts.next()??, parts.next()??, parts.next()??])
+    };
+    let [year, month, day] = three(date, '-')?;
+    let zone_at = time.find(['Z', '+', '-']).unwrap_or(time.len());
+    let (clock, zone) = time.split_at_checked(zone_at)?;
+    let (clock, fraction) = clock.split_once(['.', ',']).unwrap_or((clock, ""));
+    let [hour, minute, second] = three(clock, ':')?;
+    let micros: String = fraction.chars().chain("000000".chars()).take(6).collect();
+    let zone_min = match zone {
+        "" | "Z" => 0,
+        zone => {
+            let (hours, minutes) = zone
+                .get(1..)?
+                .split_once(':')
+                .unwrap_or((zone.get(1..)?, "0"));
+            let min = number(hours)? * 60 + number(minutes)?;
+            if zone.starts_with('-') { -min } else { min }
+        }
+    };
+    let fits = (1970..3000).contains(&year)
+        && (1..=12).contains(&month)
+        && (1..=31).contains(&day)
+        && (hour < 24 && minute < 60 && second < 61);
+    if !fits {
+        return None;
+    }
+    // Days since 1970 in the Gregorian calendar, counted from March (Hinnant, "chrono-compatible date algorithms").
+    let (y, m) = if month > 2 {
+        (year, month - 3)
+    } else {
+        (year - 1, month + 9)
+    };
+    let of_era = y.rem_euclid(400);
+    let of_year = (153 * m + 2) / 5 + day - 1;
+    let days =
+        y.div_euclid(400) * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468;
+    let s = days * 86_400 + hour * 3600 + (minute - zone_min) * 60 + second;
+    u64::try_from(s * 1_000_000 + number(&micros)?).ok()
 }
 
 /// Why a time cannot follow those before it.
@@ -134,6 +195,22 @@ impl Times {
         Self {
             split,
             ..Self::default()
+        }
+    }
+
+    /// The time of the next row of a file, in a line of it.
+    ///
+    /// # Errors
+    /// As [`Times::row`] or, for a clock that may repeat itself, [`Times::coarse_row`].
+    pub(super) fn next_row(
+        &mut self,
+        (file, line): (&str, usize),
+        us: u64,
+        is_coarse: bool,
+    ) -> Result<u64, OutOfTime> {
+        match is_coarse {
+            true => self.coarse_row(&format!("{file}:{line}"), us),
+            false => self.row(&format!("{file}:{line}"), us),
         }
     }
 

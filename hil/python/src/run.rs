@@ -69,10 +69,10 @@ impl Readings {
                 let reading = Reading {
                     timing: Timing {
                         rate_hz: rate.hz,
+                        rest_rows: setup.scene.value.reference_frames as usize + 1,
                         ..Timing::default()
                     },
                     prefix: None,
-                    rest_rows: setup.scene.value.reference_frames as usize + 1,
                 };
                 recorded(&paths, &setup.sensor.value, &reading)
             }

@@ -194,6 +194,8 @@ impl<'a> Recording<'a> {
             column: args.time.clone(),
             rate_hz: rate.hz,
             split_jumps: args.split_jumps,
+            rest_rows: args.reference_frames as usize + 1,
+            gain: args.gain,
         };
         Ok(Self {
             args,
@@ -202,7 +204,6 @@ impl<'a> Recording<'a> {
             reading: Reading {
                 timing,
                 prefix: args.columns.clone(),
-                rest_rows: 0,
             },
             search: Search {
                 baseline: BaselineSettings {

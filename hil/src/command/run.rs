@@ -165,9 +165,11 @@ fn played(
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
     let reading = Reading {
-        timing,
+        timing: Timing {
+            rest_rows: setup.scene.value.reference_frames as usize + 1,
+            ..timing
+        },
         prefix: args.columns.clone(),
-        rest_rows: setup.scene.value.reference_frames as usize + 1,
     };
     let (input, notes) = match (&args.stream, args.replay.as_slice()) {
         (Some(address), _) => {
@@ -278,6 +280,8 @@ fn timing(args: &RunArgs) -> Result<Timing, Failure> {
         column: args.time.clone(),
         rate_hz: rate_of(args.rate, unclocked(args))?.hz,
         split_jumps: args.split_jumps,
+        rest_rows: 0,
+        gain: args.gain,
     })
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
-use palpate_files::{Format, Rows, Take, TextureModel};
+use palpate_files::{Format, Input, Rows, Take, TextureModel};
 use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_texture::onnx;
@@ -93,7 +93,7 @@ fn features(model: &TextureModel) -> Take<'_> {
 
 /// The windows of a recording, one after another.
 struct Windows<'a> {
-    rows: Rows<std::fs::File>,
+    rows: Rows<Input>,
     stream: Stream,
     file: &'a Path,
     ends: Ends,

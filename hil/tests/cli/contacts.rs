@@ -20,7 +20,7 @@ fn csv(taxels: usize, rows: impl Iterator<Item = Vec<u16>>) -> String {
 }
 
 /// Counts of one 4x4 module: noise of a count, and from row 20 on a bump that wanders over the pad.
-fn pad(row: usize, shift: usize) -> Vec<u16> {
+pub fn pad(row: usize, shift: usize) -> Vec<u16> {
     let mut counts = Vec::new();
     for taxel in 0..16 {
         let (x, y) = ((taxel % 4) as f64, (taxel / 4) as f64);

@@ -37,12 +37,11 @@ pub(super) fn open(setup: &Setup, args: &SkinArgs, work: impl WithSkin) -> Resul
     }
     let reading = Reading {
         timing: Timing {
-            column: None,
             rate_hz,
-            split_jumps: false,
+            rest_rows: setup.scene.value.reference_frames as usize + 1,
+            ..Timing::default()
         },
         prefix: None,
-        rest_rows: setup.scene.value.reference_frames as usize + 1,
     };
     let (input, notes) = recorded(replay, &setup.sensor.value, &reading)?;
     notes
