@@ -46,7 +46,7 @@ pub enum Format {
 }
 
 /// Binary formats by what they begin with.
-const MAGIC: [(&[u8], Format); 18] = [
+const MAGIC: [(&[u8], Format); 20] = [
     (b"\x89MCAP0\r\n", Format::Mcap),
     (b"\x1f\x8b", Format::Binary("gzip (unpack it first)")),
     (
@@ -76,6 +76,14 @@ const MAGIC: [(&[u8], Format); 18] = [
     (
         b"#ROSBAG",
         Format::Binary("a ROS 1 bag (mcap convert FILE.bag FILE.mcap)"),
+    ),
+    (
+        b"\0\0\0\0\0\0\0\x01\x49",
+        Format::Binary("an FST dump (fst2vcd FILE.fst > FILE.vcd)"),
+    ),
+    (
+        b"GHDLwave",
+        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --vcd=FILE.vcd)"),
     ),
     (
         b"LOGG",

@@ -56,6 +56,8 @@ fn formats_are_told_by_their_first_bytes() {
         b"LOGG\x90\0\0\0",
         b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1\n",
         b"PAR1\x15\x04",
+        b"\0\0\0\0\0\0\0\x01\x49\0",
+        b"GHDLwave\n",
     ] {
         assert!(matches!(Format::of(start), Some(Format::Binary(_))));
     }

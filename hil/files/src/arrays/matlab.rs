@@ -1,6 +1,6 @@
 //! MATLAB's version 5 (`save -v6` and `-v7`, `scipy.io.savemat`).
 
-use super::{Kind, Stored, Unread, inflated, word};
+use super::{Kind, Stored, Unpacking, Unread, word};
 
 /// Bytes before the first element.
 const HEAD: usize = 128;
@@ -14,7 +14,7 @@ pub(super) fn arrays(bytes: &[u8]) -> Result<Vec<Stored>, Unread> {
         return Err(("a little-endian MATLAB file", found.into()));
     }
     let broken = || ("a MATLAB file that is whole", "a part of one".to_owned());
-    let mut arrays = Vec::new();
+    let (mut arrays, mut unpacking) = (Vec::new(), Unpacking::new());
     let mut at = HEAD;
     while at < bytes.len() {
         let element = Element::at(bytes, at).ok_or_else(broken)?;
@@ -22,7 +22,7 @@ pub(super) fn arrays(bytes: &[u8]) -> Result<Vec<Stored>, Unread> {
         let unpacked;
         let inner = match element.kind {
             COMPRESSED => {
-                unpacked = inflated(element.data, true).ok_or_else(broken)?;
+                unpacked = unpacking.zlib(element.data).ok_or_else(broken)?;
                 Element::at(&unpacked, 0).ok_or_else(broken)?
             }
             _ => element,

@@ -12,6 +12,7 @@ use super::format::Format;
 use super::made::Lines;
 use super::order::is_computed;
 use super::reading::{format_of, read_bytes};
+use super::rows::MOST_VALUES;
 
 /// Most bytes of a file: the iCub's blobs have 4 MB.
 const MOST: u64 = 256 << 20;
@@ -145,10 +146,12 @@ fn chosen(
 /// How an array holds frames of `count` columns, or of up to two more: a number and a time before them.
 fn view(stored: &Stored, count: usize) -> Option<View> {
     let Stored { shape, .. } = stored;
-    if shape
-        .iter()
-        .try_fold(1_usize, |all, n| all.checked_mul(*n))?
-        != stored.values.len()
+    // With a 0 the product of some sizes says nothing of the others.
+    if shape.contains(&0)
+        || shape
+            .iter()
+            .try_fold(1_usize, |all, n| all.checked_mul(*n))?
+            != stored.values.len()
     {
         return None;
     }
@@ -306,10 +309,11 @@ impl Kind {
         }
     }
 
-    /// Numbers of this type; none where it is not known.
+    /// Numbers of this type; none where it is not known, or where they are more than a table may hold.
     fn numbers(self, bytes: &[u8], is_big: bool) -> Option<Vec<f64>> {
         let width = self.width();
-        if !matches!(width, 1 | 2 | 4 | 8) || (matches!(self, Self::Float(1))) {
+        let is_known = matches!(width, 1 | 2 | 4 | 8) && self != Self::Float(1);
+        if !is_known || bytes.len() / width > MOST_VALUES {
             return None;
         }
         let number = |chunk: &[u8]| {
@@ -359,13 +363,33 @@ fn word(bytes: &[u8], at: usize, width: usize) -> Option<usize> {
     usize::try_from(number).ok()
 }
 
-/// Unpacks a part of a file, of at most as many bytes as a file may have.
-fn inflated(packed: &[u8], has_head: bool) -> Option<Vec<u8>> {
-    use miniz_oxide::inflate::{decompress_to_vec_with_limit, decompress_to_vec_zlib_with_limit};
-    let most = MOST as usize;
-    match has_head {
-        true => decompress_to_vec_zlib_with_limit(packed, most).ok(),
-        false => decompress_to_vec_with_limit(packed, most).ok(),
+/// Unpacks parts of a file, all of them of at most as many bytes as a file may have.
+struct Unpacking {
+    left: usize,
+}
+
+impl Unpacking {
+    const fn new() -> Self {
+        Self {
+            left: MOST as usize,
+        }
+    }
+
+    fn kept(&mut self, part: Vec<u8>) -> Option<Vec<u8>> {
+        self.left = self.left.checked_sub(part.len())?;
+        Some(part)
+    }
+
+    /// A part as it stands in an archive.
+    fn deflated(&mut self, packed: &[u8]) -> Option<Vec<u8>> {
+        let part = miniz_oxide::inflate::decompress_to_vec_with_limit(packed, self.left);
+        self.kept(part.ok()?)
+    }
+
+    /// A part with zlib's own head.
+    fn zlib(&mut self, packed: &[u8]) -> Option<Vec<u8>> {
+        let part = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(packed, self.left);
+        self.kept(part.ok()?)
     }
 }
 

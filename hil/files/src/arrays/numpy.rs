@@ -1,6 +1,6 @@
 //! NumPy's `.npy` (versions 1 to 3) and `.npz`.
 
-use super::{Kind, Stored, Unread, inflated, word};
+use super::{Kind, Stored, Unpacking, Unread, word};
 
 /// One array.
 pub(super) fn array(bytes: &[u8]) -> Result<Stored, Unread> {
@@ -12,7 +12,7 @@ pub(super) fn array(bytes: &[u8]) -> Result<Stored, Unread> {
             .map(|b| char::from(*b))
             .collect();
         (
-            "an array of numbers whose header is whole",
+            "an array of at most 41943040 numbers whose header is whole",
             header.escape_debug().to_string(),
         )
     })
@@ -76,7 +76,7 @@ type Entry = (String, Option<Vec<u8>>);
 fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
     let end = bytes.windows(4).rposition(|w| w == b"PK\x05\x06")?;
     let (count, mut at) = (word(bytes, end + 10, 2)?, word(bytes, end + 16, 4)?);
-    let mut entries = Vec::new();
+    let (mut entries, mut unpacking) = (Vec::new(), Unpacking::new());
     for _ in 0..count {
         if bytes.get(at..at.checked_add(4)?)? != b"PK\x01\x02" {
             return None;
@@ -91,8 +91,8 @@ fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
         let data_at = local + 30 + word(bytes, local + 26, 2)? + word(bytes, local + 28, 2)?;
         let data = bytes.get(data_at..data_at.checked_add(packed)?)?;
         let data = match method {
-            0 => Some(data.to_vec()),
-            8 => inflated(data, false),
+            0 => unpacking.kept(data.to_vec()),
+            8 => unpacking.deflated(data),
             _ => None,
         };
         entries.push((name, data));

@@ -83,6 +83,10 @@ impl Definition {
                 Count::Fixed(count) => count,
                 Count::Stated => usize::try_from(bytes.number(4)?).ok()?,
             };
+            // Each value has a byte at least: more cannot be whole.
+            if count > bytes.body.len() {
+                return None;
+            }
             for place in 0..count {
                 let path = format!("{path}.{place}");
                 self.value(name, &field.kind, path, bytes, leaves, depth)?;
