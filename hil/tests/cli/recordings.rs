@@ -129,14 +129,22 @@ fn mcap() -> Vec<u8> {
 /// A file of every format in the table.
 fn write_all(folder: &Folder) {
     let axis = |c: usize| ["X", "Y", "Z"][c % 3];
-    let own = names(
-        |c| format!("txl{}_{}", c / 3 + 1, axis(c).to_lowercase()),
-        ",",
-    );
+    let taxel = |c: usize| format!("txl{}_{}", c / 3 + 1, axis(c).to_lowercase());
+    let own = names(taxel, ",");
+    let plain_rows = lines(",", |_| String::new(), plain);
+    folder.write("own.csv", &format!("{own}\n{plain_rows}"));
+    let both = ["left_", "right_"].map(|side| names(|c| side.to_owned() + &taxel(c), ","));
+    let twice: Vec<String> = plain_rows
+        .lines()
+        .map(|line| format!("{line},{line}"))
+        .collect();
     folder.write(
-        "own.csv",
-        &(own + "\n" + &lines(",", |_| String::new(), plain)),
+        "two.csv",
+        &format!("{}\n{}\n", both.join(","), twice.join("\n")),
     );
+    let milli = |count: u16| format!("{:.3}", f64::from(count) / 1000.0);
+    let units = lines(",", |row| format!("{},", row as f64 * 0.01), milli);
+    folder.write("newtons.csv", &format!("t,{own}\n{units}"));
     let forces = |row: usize| format!("{0},{0},{row},", seconds(row));
     let head = names(|c| format!("{}{}", c / 3 + 1, axis(c)), ",");
     let force = names(|c| format!("Force {}{}", c / 3 + 1, axis(c)), ",");

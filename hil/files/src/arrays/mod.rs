@@ -86,7 +86,10 @@ fn chosen(
     rest_rows: usize,
 ) -> Result<Array, FileError> {
     let shapes = || -> Vec<String> {
-        let shape = |s: &Stored| format!("{} {:?}", s.name, s.shape).trim().to_owned();
+        let shape = |s: &Stored| {
+            let text = format!("{} {:?}, {} numbers", s.name, s.shape, s.values.len());
+            text.trim().to_owned()
+        };
         stored.iter().map(shape).collect()
     };
     let mut fit: Vec<usize> = Vec::new();

@@ -45,29 +45,29 @@ pub(super) struct Messages {
     names: Vec<String>,
 }
 
-/// Whether a file holds frames of a bus, as those that this program writes.
+/// Whether a file holds frames of a bus, as those that this program writes, or was cut before it says what it holds.
 #[must_use]
 pub fn holds_frames(path: &Path) -> bool {
-    let has = || -> Result<bool, FileError> {
-        let mut records = Records::open(path)?;
-        for _ in 0..LOOKED_AT {
-            if records
-                .channels
-                .values()
-                .any(|channel| channel.topic == CAN)
-            {
-                return Ok(true);
-            }
-            if records.advance()?.is_none() {
-                break;
-            }
-        }
-        Ok(records
+    let Ok(mut records) = Records::open(path) else {
+        return true; // reading it will say why
+    };
+    for _ in 0..LOOKED_AT {
+        if records
             .channels
             .values()
-            .any(|channel| channel.topic == CAN))
-    };
-    has().unwrap_or(false)
+            .any(|channel| channel.topic == CAN)
+        {
+            return true;
+        }
+        if !matches!(records.advance(), Ok(Some(_))) {
+            break;
+        }
+    }
+    let mut topics = records
+        .channels
+        .values()
+        .map(|channel| channel.topic.as_str());
+    records.channels.is_empty() || topics.any(|topic| topic == CAN)
 }
 
 impl Messages {
