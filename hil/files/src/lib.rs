@@ -39,6 +39,7 @@ mod objects;
 mod order;
 mod overrides;
 mod own_bench;
+mod pace;
 mod person;
 mod placeholder;
 mod plain;
@@ -102,6 +103,7 @@ pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use own_bench::DEFAULT_BENCH;
+pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
 pub use play::PlayEntry;
@@ -118,8 +120,8 @@ pub use reading::{
 pub use resolve::{FileKind, resolve, resolve_from};
 pub use rows::{Input, MOST_VALUES, Number, RowAt, Rows};
 pub use scene::{
-    Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, Scene,
-    THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
+    Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
+    Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
 pub use setup::{Finger, Setup, Stroked, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};

@@ -14,6 +14,11 @@ pub const DISORDER_US: u64 = 1_000_000;
 const TELLING: usize = 16;
 /// A row per second and slower, by its numbers: they may be nanoseconds.
 const SLOW_US: u64 = 1_000_000;
+/// Ten thousand rows a second and more, by their numbers: they may be milliseconds.
+const FAST_US: u64 = 100;
+/// With jumps taken out, further ahead than this and so many usual distances is a jump too: a stray frame.
+const STRAY_US: u64 = 2_000_000;
+const STRAY_STEPS: u64 = 100;
 
 /// What a column of times counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,8 +176,7 @@ pub struct Times {
     last: Option<u64>,
     /// What is added to the times of the piece that is read, to follow the piece before.
     shift: i128,
-    /// The usual distance, as far as it is known.
-    step: u64,
+    /// The first distances: their median is the usual one.
     steps: Vec<u64>,
     notes: Vec<String>,
 }
@@ -243,9 +247,13 @@ impl Times {
         let mut shifted = i128::from(us) + self.shift;
         if let Some(last) = self.last {
             let by = shifted - i128::from(last);
-            let jumped = by > i128::from(JUMP_US) || by < -i128::from(DISORDER_US);
+            let mut most = JUMP_US;
+            if self.split && by > i128::from(STRAY_US) {
+                most = most.min(STRAY_US.max(self.usual().saturating_mul(STRAY_STEPS)));
+            }
+            let jumped = by > i128::from(most) || by < -i128::from(DISORDER_US);
             if jumped && self.split {
-                let to = i128::from(last) + i128::from(self.step.max(1));
+                let to = i128::from(last) + i128::from(self.usual().max(1));
                 self.shift += to - shifted;
                 shifted = to;
                 let first = self.first.unwrap_or(0);
@@ -276,7 +284,6 @@ impl Times {
                 });
             } else if by > 0 {
                 let step = u64::try_from(by).unwrap_or(u64::MAX);
-                self.step = step;
                 if self.steps.len() < TELLING {
                     self.steps.push(step);
                 }
@@ -295,6 +302,13 @@ impl Times {
         Ok(time)
     }
 
+    /// The usual distance of two times, as far as it is known; 0 before there are two.
+    fn usual(&self) -> u64 {
+        let mut steps = self.steps.clone();
+        steps.sort_unstable();
+        quantile(&steps, 0.5).map_or(0, |middle| middle.above)
+    }
+
     /// Whether enough rows have come to tell what their numbers are.
     pub(super) fn is_telling(&self) -> bool {
         self.steps.len() == TELLING
@@ -302,15 +316,16 @@ impl Times {
 
     /// What a column of whole microseconds looks like instead: its rows come too fast or too slow for a skin.
     pub(super) fn looks_like(&self) -> Option<String> {
-        let mut steps = self.steps.clone();
-        steps.sort_unstable();
-        let median = quantile(&steps, 0.5)?.above;
-        if steps.len() < 2 {
+        if self.steps.len() < 2 {
             return None;
         }
+        let median = self.usual();
         let every = |us: u64| length(us);
         match median {
             1 => Some("row numbers: give --rate HZ, and leave the column out".into()),
+            2..FAST_US => Some(format!(
+                "milliseconds: they would be rows every {median} us (--time COLUMN:ms)"
+            )),
             SLOW_US.. => Some(format!(
                 "nanoseconds: they would be rows every {}",
                 every(median)

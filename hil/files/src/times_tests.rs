@@ -39,6 +39,20 @@ fn a_jump_is_refused_or_taken_out() {
     assert_eq!(split, [PI[2], PI[2] + 1]);
 }
 
+/// One frame of a stray stamp: what follows goes on at the usual distance, and the run is no longer for it.
+#[test]
+fn a_stray_hop_is_taken_out_and_not_doubled() {
+    let mut times = Times::new(true);
+    let us = |k: u64| k * 10_000 + if k == 50 { 6_200_000 } else { 0 };
+    let played: Vec<u64> = (0..100).map(|k| times.frame("f", us(k)).unwrap()).collect();
+    assert_eq!(played.last(), Some(&990_000));
+    assert_eq!(times.take_notes().len(), 2);
+    // Without being asked to, a silence is a silence.
+    let mut times = Times::new(false);
+    assert_eq!(times.frame("f", 0), Ok(0));
+    assert_eq!(times.frame("f", 6_200_000), Ok(6_200_000));
+}
+
 #[test]
 fn rows_rise_and_frames_may_be_a_little_out_of_order() {
     let rows = all(&mut Times::new(false), &[5, 5]).unwrap_err();
@@ -60,7 +74,8 @@ fn a_recording_has_at_most_a_day() {
 fn other_units_look_like_what_they_are() {
     for (step, word) in [
         (1, Some("row numbers")),
-        (7, None),
+        (7, Some("milliseconds")),
+        (100, None),
         (
             25_000_000,
             Some("nanoseconds: they would be rows every 25.000 s"),

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
-use palpate_files::{FileError, Format, LONGEST_LINE, Lines, OutOfTime, Times, format_of, open};
+use palpate_files::{
+    FileError, Format, LONGEST_LINE, Lines, OutOfTime, Pace, Times, format_of, open,
+};
 use palpate_records::{candump, mcap};
 use palpate_run::Identifiers;
 
@@ -101,8 +103,16 @@ impl<R: Read> Pass<R> {
             held: Some(Vec::new()),
             ..Through::default()
         };
+        let mut pace = Pace::default();
+        let cannot_be = |label: &str, found| {
+            let expected = "times as frames came (candump -l, microseconds since 1970)";
+            FileError::whole(label, expected, found)
+        };
         while let Some(frame) = self.advance()? {
             let us = frame.at.as_micros();
+            let of = (frame.bus, frame.frame.id(), frame.frame.data().len());
+            let seen = pace.frame(of, us);
+            seen.map_err(|found| cannot_be(self.label(), found))?;
             through.count += 1;
             through.rows.add(&frame);
             through.first_us = Some(through.first_us.map_or(us, |first| first.min(us)));
@@ -120,6 +130,7 @@ impl<R: Read> Pass<R> {
                 held => *held = None,
             }
         }
+        pace.end().map_err(|found| cannot_be(self.label(), found))?;
         let (interfaces, notes) = match self {
             Self::Log(log) => log.finish(&mut through, buses),
             Self::Mcap(mcap) => mcap.finish(&mut through, buses),
