@@ -418,13 +418,14 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
     /// Number of contact-free rows at the start that make the reference.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = palpate_files::REFERENCE_ROWS, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
-    /// Contact threshold: auto (the largest value of the first row after the reference), per-taxel (from every taxel's
-    /// own noise) or raw counts.
-    #[arg(long, default_value = "auto", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
+    /// Contact threshold: per-taxel (from every taxel's own noise), auto (as published: the largest value of the first row
+    /// after the reference) or raw counts.
+    #[arg(long, default_value = "per-taxel", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
-    /// Let the reference follow taxels not in contact, with this time constant (default: it stays fixed).
+    /// Let the reference follow taxels not in contact, with this time constant (default: 5 with per-taxel thresholds; with
+    /// others it stays as the first rows have it).
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub drift_s: Option<f64>,
     /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).

@@ -178,6 +178,8 @@ pub struct Taxels {
     pub jumping: u32,
     /// Dead taxels that never sent a reading.
     pub never_seen: u32,
+    /// Frames on its buses that were no readings of the layout.
+    pub foreign: u64,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
     /// Every taxel that was ill when the run ended, and left out.
@@ -208,6 +210,8 @@ impl Taxels {
             sum.saturated += part.saturated;
             sum.jumping += part.jumping;
             sum.never_seen += part.never_seen;
+            // All of them hear the same buses.
+            sum.foreign = sum.foreign.max(part.foreign);
             sum.ill.extend(part.ill.iter().cloned());
             let each = part.refresh_each_hz.iter().cloned();
             rates.extend(modules.iter().copied().zip(each));
@@ -398,6 +402,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     summary.longest_session_s = recorder.longest_session_s(projector.guard(), end);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end);
+    summary.taxels.foreign = skin.foreign();
     (trace, summary)
 }
 
@@ -479,6 +484,7 @@ impl Summary {
                 saturated: health.saturated,
                 jumping: health.jumping,
                 never_seen: 0,
+                foreign: 0,
                 ill: Vec::new(),
                 refresh_each_hz: Vec::new(),
                 repeated: health.repeated as f64 / (health.frames.max(1)) as f64,

@@ -117,7 +117,7 @@ fn every_option_does_what_it_says() {
     assert_eq!(contacts(&file, &["--threshold", "60000"]).len(), 0);
     assert_eq!(
         contacts(&file, &[]),
-        contacts(&file, &["--threshold", "auto"])
+        contacts(&file, &["--threshold", "per-taxel", "--drift-s", "5"])
     );
     for option in [
         ["--weight-exponent", "2"],

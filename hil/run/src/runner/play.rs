@@ -27,6 +27,7 @@ use crate::piece::Pieces;
 use crate::place::{Place, fingers};
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
+use crate::rezero::rezero;
 use crate::session::{Session, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
@@ -384,6 +385,10 @@ impl Run<'_> {
                     return Ok(now);
                 }
                 is_stopped |= finger.show(now, number, host);
+            }
+            if let Some(forced) = host.rezero() {
+                let sessions = fingers.iter_mut().map(|finger| &mut finger.session);
+                sessions.for_each(|session| rezero(session, now, forced));
             }
             if is_stopped {
                 let note = || Event::note(now, format!("{STOPPED_BY}the person who watched"));
