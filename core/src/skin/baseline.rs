@@ -131,7 +131,7 @@ impl Baseline {
             self.phase = BaselinePhase::Referenced;
             for module in 0..self.missing.len() {
                 if self.is_restless(module, scan.at()) {
-                    self.begin(module, scan.at());
+                    self.begin(module);
                 }
             }
         }
@@ -144,7 +144,7 @@ impl Baseline {
     pub fn restart(&mut self, module: usize) {
         if self.phase == BaselinePhase::Ready && !self.range(module).is_empty() {
             self.restless[module] = 0;
-            self.begin(module, self.begun[module]);
+            self.begin(module);
             self.fresh_start(module);
         }
     }
@@ -162,11 +162,10 @@ impl Baseline {
         (0..self.missing.len()).for_each(|module| self.restart(module));
     }
 
-    /// Begins a module's reference at `at`.
-    fn begin(&mut self, module: usize, at: Instant) {
+    /// Begins a module's reference with its next scan.
+    fn begin(&mut self, module: usize) {
         let range = self.range(module);
         self.missing[module] = self.settings.reference_frames;
-        self.begun[module] = at;
         self.restarting = true;
         self.reference.restart(range.clone());
         self.usable[range].fill(false);
@@ -236,13 +235,16 @@ impl Baseline {
                 continue;
             }
             self.reference.collect(scan, range.clone());
+            if self.missing[module] == self.settings.reference_frames {
+                self.begun[module] = scan.at();
+            }
             self.missing[module] -= 1;
             if self.missing[module] == self.settings.reference_frames.div_ceil(2) {
                 self.reference.halve(range.clone());
             }
             if self.missing[module] == 0 {
                 if self.is_restless(module, scan.at()) {
-                    self.begin(module, scan.at());
+                    self.begin(module);
                     continue;
                 }
                 self.reference.finish(range.clone());

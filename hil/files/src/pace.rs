@@ -1,17 +1,17 @@
-//! Whether the times of a recording can be: one rule for logs of buses and tables of taxels.
+//! Whether the times of frames on buses can be: one rule for logs and MCAP; [`super::Times`] has that of rows.
 //!
 //! Clocks are coarse and adapters hand frames on in bursts, so what is refused is far beyond either.
 
 use palpate_core::statistics::quantile;
 
 /// Bits per second of a bus whose layout states none.
-pub const BITRATE: u32 = 1_000_000;
+const BITRATE: u32 = 1_000_000;
 /// Bits around the data of a classic frame with a short identifier, before any is stuffed.
 const AROUND: u32 = 47;
 /// Time for which frames may come faster than the bus carries them: bursts of an adapter, s.
 const BURST_S: f64 = 0.05;
 /// Most rows of one instant: clocks of milliseconds have a few.
-const SAME: u32 = 10;
+pub(super) const SAME: u32 = 10;
 /// Between two readings of a taxel, microseconds: a skin that is this slow is none.
 const SLOWEST_US: u64 = 2_000_000;
 /// Steps that the usual distance is taken of.
@@ -22,8 +22,6 @@ const STEPS: usize = 256;
 pub struct Pace {
     newest_us: Option<u64>,
     oldest_us: u64,
-    /// How many in a row had the newest time, and how many there were.
-    same: u32,
     count: u64,
     /// Bits that each bus has yet to carry.
     waiting: Vec<(f64, u64)>,
@@ -33,22 +31,10 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Takes a row of a table that states its own unit.
-    ///
-    /// # Errors
-    /// What is wrong with its time, as messages have it after `found`.
-    pub fn row(&mut self, us: u64) -> Result<(), String> {
-        self.newer(us);
-        match self.same > SAME {
-            true => Err(format!("{} rows of one instant, {us} us", self.same)),
-            false => Ok(()),
-        }
-    }
-
     /// Takes a frame of a bus.
     ///
     /// # Errors
-    /// As [`Pace::row`].
+    /// What is wrong with its time, as messages have it after `found`.
     pub fn frame(&mut self, (bus, id, length): (u8, u16, usize), us: u64) -> Result<(), String> {
         self.newer(us);
         if let Some((first_bus, first_id, before)) = &mut self.first {
@@ -86,10 +72,6 @@ impl Pace {
     }
 
     fn newer(&mut self, us: u64) {
-        self.same = match self.newest_us == Some(us) {
-            true => self.same + 1,
-            false => 1,
-        };
         self.oldest_us = match self.newest_us {
             Some(_) => self.oldest_us.min(us),
             None => us,
@@ -102,7 +84,7 @@ impl Pace {
     /// for any skin.
     ///
     /// # Errors
-    /// As [`Pace::row`].
+    /// As [`Pace::frame`].
     pub fn end(&self) -> Result<(), String> {
         let span = self.newest_us.unwrap_or(0) - self.oldest_us;
         if self.count > u64::from(SAME) && span == 0 {

@@ -34,11 +34,3 @@ fn few_frames_of_one_instant_are_named_at_the_end() {
     }
     assert_eq!(pace.end().unwrap_err(), "16 frames of one instant, 5 us");
 }
-
-#[test]
-fn rows_share_an_instant_of_a_coarse_clock_and_no_more() {
-    let mut pace = Pace::default();
-    assert!((0..100).all(|k| pace.row(k / 4 * 1000).is_ok()));
-    let all: Result<Vec<()>, String> = (0..100).map(|_| pace.row(1_000_000)).collect();
-    assert_eq!(all.unwrap_err(), "11 rows of one instant, 1000000 us");
-}

@@ -14,7 +14,6 @@ use super::gain::Gain;
 use super::made::Made;
 use super::messages;
 use super::objects;
-use super::pace::Pace;
 use super::reading::{LONGEST_LINE, Lines, Text, format_of, open};
 use super::times::{OutOfTime, TimeUnit, Times};
 
@@ -81,7 +80,6 @@ pub struct Rows<R> {
     taken: Vec<Taken>,
     clock: Clock,
     times: Times,
-    pace: Pace,
     /// Whether what the times count was stated, and so needs no look.
     stated: bool,
     /// Fields per row.
@@ -271,7 +269,6 @@ impl<R: Read> Rows<R> {
             taken,
             clock,
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
-            pace: Pace::default(),
             width: first.len(),
             pending: head.is_row.then(|| (head.line, head.first.clone())),
             fields: Fields::new(dialect),
@@ -333,9 +330,6 @@ impl<R: Read> Rows<R> {
                     return Err(wrong((Some(self.clock.key()), expected, found)));
                 }
             };
-            let expected = "times that tell rows apart";
-            let of_one = |found| wrong((None, expected.into(), found));
-            self.pace.row(time_us).map_err(of_one)?;
         }
         self.count += 1;
         if !self.stated {

@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use palpate_core::statistics::quantile;
 
+use super::pace::SAME;
+
 /// Longest recording, as the longest scene: a slip in a time must not make a run of years.
 pub const LONGEST_US: u64 = 86_400_000_000;
 /// Further apart, two rows are no longer one recording: the clock was set between them.
@@ -176,6 +178,8 @@ pub struct Times {
     last: Option<u64>,
     /// What is added to the times of the piece that is read, to follow the piece before.
     shift: i128,
+    /// Rows in a row that share the newest time.
+    same: u32,
     /// The first distances: their median is the usual one.
     steps: Vec<u64>,
     notes: Vec<String>,
@@ -247,6 +251,13 @@ impl Times {
         let mut shifted = i128::from(us) + self.shift;
         if let Some(last) = self.last {
             let by = shifted - i128::from(last);
+            self.same = if by == 0 { self.same + 1 } else { 0 };
+            if least.is_some() && self.same >= SAME {
+                return Err(OutOfTime {
+                    expected: "times that tell rows apart".into(),
+                    found: Some(format!("{} rows of one instant, {us} us", self.same + 1)),
+                });
+            }
             let mut most = JUMP_US;
             if self.split && by > i128::from(STRAY_US) {
                 most = most.min(STRAY_US.max(self.usual().saturating_mul(STRAY_STEPS)));

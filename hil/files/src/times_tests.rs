@@ -64,6 +64,16 @@ fn rows_rise_and_frames_may_be_a_little_out_of_order() {
 }
 
 #[test]
+fn rows_share_an_instant_of_a_coarse_clock_and_no_more() {
+    let mut times = Times::new(false);
+    assert!((0..100).all(|k| times.coarse_row("f", k / 4 * 1000).is_ok()));
+    let mut times = Times::new(false);
+    let all: Result<Vec<_>, _> = (0..100).map(|_| times.coarse_row("f", 1_000_000)).collect();
+    let found = all.unwrap_err().found.unwrap();
+    assert_eq!(found, "11 rows of one instant, 1000000 us");
+}
+
+#[test]
 fn a_recording_has_at_most_a_day() {
     let hours: Vec<u64> = (0..26).map(|h| h * 3_600_000_000).collect();
     assert_eq!(all(&mut Times::new(false), &hours[..25]).unwrap().len(), 25);

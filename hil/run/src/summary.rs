@@ -178,7 +178,7 @@ pub struct Taxels {
     pub jumping: u32,
     /// Dead taxels that never sent a reading.
     pub never_seen: u32,
-    /// Frames on its buses that were no readings of the layout.
+    /// Frames that were no readings of the layout.
     pub foreign: u64,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
@@ -209,9 +209,7 @@ impl Taxels {
             sum.dead += part.dead;
             sum.saturated += part.saturated;
             sum.jumping += part.jumping;
-            sum.never_seen += part.never_seen;
-            // All of them hear the same buses.
-            sum.foreign = sum.foreign.max(part.foreign);
+            (sum.foreign, sum.never_seen) = (part.foreign, sum.never_seen + part.never_seen);
             sum.ill.extend(part.ill.iter().cloned());
             let each = part.refresh_each_hz.iter().cloned();
             rates.extend(modules.iter().copied().zip(each));
@@ -231,8 +229,9 @@ impl Taxels {
         sum
     }
 
-    /// Lists every single taxel's condition and rate at `now`.
-    fn list(&mut self, projector: &Projector, now: Instant) {
+    /// Fills in what is known of every single taxel at `now`.
+    fn list(&mut self, projector: &Projector, now: Instant, foreign: u64) {
+        self.foreign = foreign;
         let (layout, monitor) = (projector.layout(), projector.monitor());
         for (module, m) in layout.modules().iter().enumerate() {
             let mut rates = Vec::new();
@@ -401,8 +400,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     summary.texture = TextureSummary::of(recorder, projector);
     summary.longest_session_s = recorder.longest_session_s(projector.guard(), end);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
-    summary.taxels.list(projector, end);
-    summary.taxels.foreign = skin.foreign();
+    summary.taxels.list(projector, end, skin.foreign());
     (trace, summary)
 }
 
@@ -483,11 +481,8 @@ impl Summary {
                 dead: health.dead,
                 saturated: health.saturated,
                 jumping: health.jumping,
-                never_seen: 0,
-                foreign: 0,
-                ill: Vec::new(),
-                refresh_each_hz: Vec::new(),
                 repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
+                ..Taxels::default()
             },
             boards: Vec::new(),
             buses: Vec::new(),

@@ -239,7 +239,7 @@ fn times_come_from_the_file_where_it_has_them() {
         .enumerate()
         .map(|(i, line)| match i {
             0 => format!("time_us,{line}\n"),
-            _ => format!("{},{line}\n", 1_000_000 + 7 * i),
+            _ => format!("{},{line}\n", 1_000_000 + 7000 * i),
         })
         .collect();
     let file = folder.write("f.csv", &timed).display().to_string();
@@ -251,7 +251,7 @@ fn times_come_from_the_file_where_it_has_them() {
         "--threshold",
         "0",
     ]));
-    assert!((all[0][1] - 1_000_077.0).abs() < 0.5, "{:?}", all[0]);
+    assert!((all[0][1] - 1_077_000.0).abs() < 0.5, "{:?}", all[0]);
     // A zero rate is refused, needed or not.
     refused_with(
         &["contacts", &file, "--layout", "uskin-4x4", "--rate", "0"],
