@@ -127,7 +127,7 @@ impl<'a> Windows<'a> {
                 Some(&Timing {
                     column: args.time.clone(),
                     rate_hz: args.rate.or(model.rate_hz()).or(Some(1.0)),
-                    split_jumps: false,
+                    ..Timing::default()
                 }),
             )?,
             model,

@@ -109,8 +109,8 @@ fn turns(findings: &mut Findings) -> Result<(), Failure> {
 /// A turn in which nothing waits, and one with a forged datagram of the greatest length.
 fn idle_and_forged(findings: &mut Findings) -> Result<(), Failure> {
     let answers = Cell::new(true);
-    let mut idle = unit(false, &answers).map_err(failed)?;
-    let mut attacked = unit(false, &answers).map_err(failed)?;
+    let mut idle = unit(None, &answers).map_err(failed)?;
+    let mut attacked = unit(None, &answers).map_err(failed)?;
     let (mut host, mut letters) = (Host::default(), LetterBox::default());
     let mut nothing = LetterBox::default();
     idle.start(START);
