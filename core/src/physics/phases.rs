@@ -31,6 +31,8 @@ pub struct Phases {
     at_c: f64,
     parts: [Part; ALL],
     rho: f64,
+    /// Fractions of martensite and of R, and strain.
+    fractions: [f64; 2],
     strain: f64,
     piece: usize,
     line: Line,
@@ -130,11 +132,13 @@ impl Phases {
             at_c,
             parts: [Part { m: p, x }; ALL],
             rho: p,
+            fractions: [0.0; 2],
             strain: 0.0,
             piece: 0,
             line: Line::default(),
             slopes: Slopes::default(),
         };
+        phases.fractions = phases.sums(law);
         phases.strain = phases.strain_of(law);
         phases.piece = law.curve.at(phases.strain);
         if let Some(coldest_c) = coldest_c {
@@ -172,6 +176,7 @@ impl Phases {
         if self.rho < SAME || self.rho > 1.0 - SAME {
             self.rho = libm::round(self.rho);
         }
+        self.fractions = self.sums(law);
         self.strain = self.strain_of(law);
         self.slopes = self.lead_on(law, if up { 1.0 } else { -1.0 });
         self.piece = self.slopes.piece;
@@ -183,27 +188,31 @@ impl Phases {
         &self.line
     }
 
+    /// Temperature to compute with, degrees C. In electrical runaway `t` may be any number, or none.
+    const fn place(&self, t: f64) -> f64 {
+        if t.is_nan() {
+            return self.at_c;
+        }
+        t.clamp(-FURTHEST_C, FURTHEST_C)
+    }
+
     /// Moves a copy to another temperature of the line.
     fn moved(&self, t: f64) -> Self {
-        // In electrical runaway a temperature may be any number, or none.
-        let t = match t.is_nan() {
-            true => self.at_c,
-            false => t.clamp(-FURTHEST_C, FURTHEST_C),
-        };
-        let (by, mut moved) = (t - self.at_c, *self);
+        let (by, mut moved) = (self.place(t) - self.at_c, *self);
         for (part, slope) in moved.parts.iter_mut().zip(&self.slopes.parts) {
             part.m += slope.m * by;
             part.x += slope.x * by;
         }
         moved.rho += self.slopes.rho * by;
         moved.strain += self.slopes.strain * by;
-        moved.at_c = t;
+        moved.at_c = self.place(t);
         moved
     }
 
     /// Fractions of martensite and of R at a temperature of the line, each in \[0, 1\], as their sum is.
-    pub fn fractions(&self, law: &Law, t: f64) -> [f64; 2] {
-        let [m, r] = self.moved(t).sums(law);
+    pub const fn fractions(&self, t: f64) -> [f64; 2] {
+        let (by, [m, r]) = (self.place(t) - self.at_c, self.fractions);
+        let (m, r) = (m + self.line.martensite * by, r + self.line.r * by);
         let m = m.clamp(0.0, 1.0);
         [m, r.min(1.0 - m).max(0.0)]
     }
@@ -234,7 +243,7 @@ impl Phases {
 
     /// Strain beyond the one at which the sag was measured.
     fn strain_of(&self, law: &Law) -> f64 {
-        let [m, r] = self.sums(law);
+        let [m, r] = self.fractions;
         self.expansion(law) + law.strain_m * m + law.strain_r * r - law.rest_strain
     }
 
@@ -244,8 +253,8 @@ impl Phases {
     }
 
     /// Strain beyond that at which the sag was measured at a temperature of the line, without elastic parts, 1.
-    pub fn strain_at(&self, t: f64) -> f64 {
-        self.moved(t).strain
+    pub const fn strain_at(&self, t: f64) -> f64 {
+        self.strain + self.slopes.strain * (self.place(t) - self.at_c)
     }
 
     /// Stress at a temperature of the line, Pa.
@@ -269,8 +278,8 @@ impl Phases {
     }
 
     /// Latent heat that the wire holds at a temperature of the line, J: none where all of it is martensite.
-    pub fn latent_j(&self, law: &Law, t: f64) -> f64 {
-        let [m, r] = self.fractions(law, t);
+    pub const fn latent_j(&self, law: &Law, t: f64) -> f64 {
+        let [m, r] = self.fractions(t);
         law.latent_m * (1.0 - m) - law.latent_r * r
     }
 
@@ -285,11 +294,14 @@ impl Phases {
     fn lead_on(&mut self, law: &Law, way: f64) -> Slopes {
         let last = law.curve.pieces.len() - 1;
         let here = &law.curve.pieces[self.piece];
-        let others = [
-            (self.strain >= here.high - SAME_STRAIN).then(|| (self.piece + 1).min(last)),
-            (self.strain <= here.low + SAME_STRAIN).then(|| self.piece.saturating_sub(1)),
-        ];
-        let pieces = [Some(self.piece), others[0], others[1]];
+        let above = (self.strain >= here.high - SAME_STRAIN).then(|| (self.piece + 1).min(last));
+        let below = (self.strain <= here.low + SAME_STRAIN).then(|| self.piece.saturating_sub(1));
+        // Mostly the strain goes on as before.
+        let ahead = match self.slopes.strain * way > 0.0 {
+            true => above,
+            false => below,
+        };
+        let pieces = [ahead, Some(self.piece), above, below];
         let (mut best, mut least) = (Slopes::default(), f64::INFINITY);
         for piece in pieces.into_iter().flatten() {
             self.piece = piece;

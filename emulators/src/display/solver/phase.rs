@@ -77,7 +77,7 @@ impl Phase {
     pub fn fraction(&self, t: f64) -> f64 {
         match self {
             Self::Parallel(plays) => plays.fraction(t),
-            Self::Exclusive(e) => e.phases.fractions(&e.law, t)[0],
+            Self::Exclusive(e) => e.phases.fractions(t)[0],
         }
     }
 

@@ -399,7 +399,7 @@ fn phases_in_a_bow_agree_with_another_method() {
         }),
         ..WireParameters::FINAL.loose()
     };
-    let outrun = WireParameters {
+    let strong = WireParameters {
         beside: [
             Some(Play {
                 strain: 9e-3,
@@ -423,7 +423,7 @@ fn phases_in_a_bow_agree_with_another_method() {
     for (name, wire, start_m, pulse) in [
         ("cold", wire(WireState::Cold, 170.0), 1.0, (120_000, 7.098)),
         ("passed and thin", thin, 0.0, (100_000, 5.926)),
-        ("stress outruns temperature", outrun, 0.0, (120_000, 9.0)),
+        ("strong R phase", strong, 0.0, (120_000, 9.0)),
     ] {
         let ([kelvin, fraction, pascal], ends) = compare(&wire, start_m, pulse);
         println!("{name}: {kelvin:.2e} K, {fraction:.2e}, {pascal:.2e} Pa, {ends} ends");
