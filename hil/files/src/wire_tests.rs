@@ -118,7 +118,7 @@ fn a_hysteresis_too_narrow_for_its_alloy_is_named() {
 }
 
 /// Text of the shipped wire with a history, changed; what is said of it, alone or in its bench's bow.
-fn refusal(changes: &[(&str, &str)], sag_um: f64) -> String {
+fn refusal(changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
     let mut text = palpate_fixtures::wire("passed-50um").unwrap().to_owned();
     for (old, new) in changes {
         assert!(text.contains(old), "{old}");
@@ -137,7 +137,10 @@ fn refusal(changes: &[(&str, &str)], sag_um: f64) -> String {
         ..wire.parameters(&alloy("low-free"))
     };
     let bench = Source::new("b.toml", format!("mount.sag_um = {sag_um}\n"));
-    let tissue = physics::TissueParameters::DEFAULT;
+    let tissue = physics::TissueParameters {
+        modulus_pa: skin_kpa * 1e3,
+        ..physics::TissueParameters::DEFAULT
+    };
     match check_rest(&source, &bench, &worn, &tissue) {
         Ok(()) => String::new(),
         Err(e) => e.to_string(),
@@ -146,7 +149,7 @@ fn refusal(changes: &[(&str, &str)], sag_um: f64) -> String {
 
 #[test]
 fn a_history_that_contradicts_itself_is_named_with_its_line() {
-    assert_eq!(refusal(&[], 250.0), "");
+    assert_eq!(refusal(&[], (250.0, 100.0)), "");
     let cold = ("sag_state = \"cold\" ", "");
     for (change, said) in [
         (
@@ -177,7 +180,7 @@ fn a_history_that_contradicts_itself_is_named_with_its_line() {
             "plays[0].latent_heat_j_kg: expected at most the martensite's latent heat, 12000 J/kg, found 14000.0",
         ),
     ] {
-        let error = refusal(&[change], 250.0);
+        let error = refusal(&[change], (250.0, 100.0));
         assert!(error.contains(said), "{error}");
     }
 }
@@ -189,7 +192,7 @@ fn a_rest_that_no_wire_can_have_is_named_with_its_line() {
             ("sag_state = \"cold\"  ", "sag_state = \"passed\""),
             ("state = \"passed\"\n\n", "state = \"cold\"\n\n"),
         ],
-        60.0,
+        (60.0, 100.0),
     );
     assert!(
         pressed.contains("mechanical.bias_stress_mpa: expected more, or another `sag_state` or `state`: in a bow of 60 um the wire would be pressed at rest, and no state holds that, found 10.0"),
@@ -204,10 +207,10 @@ fn a_rest_that_no_wire_can_have_is_named_with_its_line() {
             ),
             ("strain = 0.001 ", "strain = 0.0 "),
         ],
-        1.0,
+        (20.0, 1.0),
     );
     assert!(
-        tight.contains("b.toml:1: mount.sag_um: expected a deeper bow, or another `sag_state` or `state` in w.toml: from 1 um the wire pulls itself past 90 % straight before its first pulse, found 1"),
+        tight.contains("b.toml:1: mount.sag_um: expected a deeper bow, or another `sag_state` or `state` in w.toml: from 20 um the wire pulls itself past 90 % straight before its first pulse, found 20"),
         "{tight}"
     );
 }
