@@ -251,10 +251,12 @@ fn is_time(name: &str) -> Option<Option<TimeUnit>> {
             .find(|(_, names)| names.contains(&word))
             .map(|(u, _)| *u)
     };
-    let is_base = |words: &[&str]| match words {
-        ["t" | "date" | "datetime" | "timestamp" | "timestamps" | "time" | "stamp"] => true,
-        [.., "time" | "timestamp" | "stamp" | "datetime" | "elapsed"] => true,
-        _ => false,
+    let is_base = |words: &[&str]| {
+        matches!(
+            words,
+            ["t" | "date" | "timestamps"]
+                | [.., "time" | "timestamp" | "stamp" | "datetime" | "elapsed"]
+        )
     };
     if is_base(&words) {
         return Some(None);

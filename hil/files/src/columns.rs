@@ -99,6 +99,9 @@ pub(super) struct Taken {
     pub(super) name: String,
 }
 
+/// Columns that are taken, and what is to be said of the choice.
+pub(super) type Chosen = (Vec<Taken>, Option<String>);
+
 /// Columns that say when, not what.
 pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
 
@@ -129,12 +132,7 @@ impl Take<'_> {
 
     /// The columns to take by the fields of the first line, and what is to be said of the choice; `times` are those of
     /// times.
-    pub(super) fn of(
-        self,
-        first: &[&str],
-        header: bool,
-        times: &[usize],
-    ) -> Result<(Vec<Taken>, Option<String>), Wrong> {
+    pub(super) fn of(self, first: &[&str], header: bool, times: &[usize]) -> Result<Chosen, Wrong> {
         match self {
             Self::Taxels(columns) => taxels(first, header, columns, times),
             Self::Counted(prefix, count) if header => counted(first, prefix, count),
@@ -214,7 +212,7 @@ fn taxels(
     header: bool,
     columns: &Columns,
     times: &[usize],
-) -> Result<(Vec<Taken>, Option<String>), Wrong> {
+) -> Result<Chosen, Wrong> {
     let wrong = match own(first, columns, times) {
         Ok(taken) => return Ok((taken, None)),
         Err(wrong) => wrong,
@@ -283,11 +281,7 @@ fn own(first: &[&str], columns: &Columns, times: &[usize]) -> Result<Vec<Taken>,
 pub(super) const MOST_BEFORE: usize = 2;
 
 /// Columns that numbers in their names put in an order; none where there are no such.
-fn numbered(
-    first: &[&str],
-    places: &[usize],
-    columns: &Columns,
-) -> Result<Option<(Vec<Taken>, Option<String>)>, Wrong> {
+fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Option<Chosen>, Wrong> {
     let count = columns.count();
     let all = groups(places.iter().map(|place| (*place, first[*place])));
     let is_of_axes = |group: &&Group| columns.axes == 3 || !group.has_axes;
@@ -342,11 +336,7 @@ fn told(groups: &[&Group], columns: &Columns) -> String {
 }
 
 /// Columns by a prefix, in the order of the numbers in their names.
-fn counted(
-    first: &[&str],
-    prefix: &str,
-    count: usize,
-) -> Result<(Vec<Taken>, Option<String>), Wrong> {
+fn counted(first: &[&str], prefix: &str, count: usize) -> Result<Chosen, Wrong> {
     let taken = Take::Counted(prefix, count).in_order(first, true)?;
     let all = groups(taken.iter().map(|t| (t.place, first[t.place])));
     let [group] = all.as_slice() else {
