@@ -1,6 +1,8 @@
 //! A generator of truth: skins that drift, warm up, keep a remainder of touches, fall silent, and have bad taxels, held
 //! against the same touches without any of that.
 
+#![allow(clippy::unwrap_used, clippy::needless_range_loop)]
+
 use palpate_core::contact::{Compressor, Settings};
 use palpate_core::random::RandomStream;
 use palpate_core::skin::{

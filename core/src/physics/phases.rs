@@ -423,11 +423,11 @@ impl Phases {
         };
         let [theta_m, theta_r] = self.thetas(law);
         ends.play(&law.r, self.rho, slopes.rho, (theta_r, slopes.theta_r));
-        let mut one_way = slopes.rho < 0.0 || slopes.rho > 0.0;
+        let mut one_way = slopes.rho.abs() > 0.0;
         for (k, share) in law.shares.iter().enumerate() {
             let (m, slope) = (self.parts[k].m, slopes.parts[k].m);
             martensite += share.weight * slope;
-            one_way |= slope < 0.0 || slope > 0.0;
+            one_way |= slope.abs() > 0.0;
             ends.play(&share.band, m, slope, (theta_m, slopes.theta_m));
             let over = self.rho - (1.0 - m);
             if share.has_r && over.abs() > SAME {
@@ -480,7 +480,7 @@ impl Ends {
     /// Adds the begin or end of a play that stands at `p` and changes by `slope` with a kelvin, by its theta and that one's
     /// slope.
     fn play(&mut self, band: &Band, p: f64, slope: f64, (theta, theta_slope): (f64, f64)) {
-        if slope < 0.0 || slope > 0.0 {
+        if slope.abs() > 0.0 {
             self.reach(p, -slope);
             self.reach(1.0 - p, slope);
             return;

@@ -86,8 +86,10 @@ fn a_finger_is_colder_than_every_row_of_its_limits() {
         bench("[tissue]\nrest_c = 26"),
         bench("[tissue]\nrest_c = 36"),
     );
-    assert_eq!(coldest.unwrap().tissue.parameters().body_c, 26.0);
-    assert_eq!(warmest.unwrap().tissue.parameters().body_c, 36.0);
+    for (bench, rest_c) in [(coldest, 26.0), (warmest, 36.0)] {
+        let body_c = bench.unwrap().tissue.parameters().body_c;
+        assert!((body_c - rest_c).abs() < 1e-12, "{body_c}");
+    }
     let folder = std::env::temp_dir().join(format!("palpate-rest-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let limits = "name = \"l\"\ndescription = \"L\"\n[skin]\nmean_10s_c = 35\n";

@@ -7,7 +7,8 @@ use palpate_core::contact::{Contact, LevelTable, Settings};
 use palpate_core::skin::{BaselineSettings, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_files::{
-    Columns, DRIFT_S, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm, scope,
+    Columns, DRIFT_S, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm,
+    scope,
 };
 use palpate_records::trace::{PlaceUm, event};
 use palpate_run::{Failure, Intensities, Search, plan};

@@ -107,7 +107,7 @@ fn time_unit(heading: &str) -> Option<f64> {
         .split(|c: char| !c.is_alphanumeric())
         .filter(|w| !w.is_empty());
     let first = words.next()?;
-    let last = words.last().unwrap_or(first);
+    let last = words.next_back().unwrap_or(first);
     let ns = match last.trim_start_matches("time") {
         "ms" | "msec" | "millis" | "milliseconds" => 1e6,
         "us" | "µs" | "μs" | "usec" | "micros" | "microseconds" => 1e3,
@@ -151,11 +151,11 @@ impl Head {
             return Some(false);
         }
         let mut names = fields.as_slice();
-        if let Some((first, rest)) = fields.split_first() {
-            if let Some(unit) = time_unit(first) {
-                self.time = Some(unit);
-                names = rest;
-            }
+        if let Some((first, rest)) = fields.split_first()
+            && let Some(unit) = time_unit(first)
+        {
+            self.time = Some(unit);
+            names = rest;
         }
         let all_alike = names.iter().all(|n| *n == "logic");
         let named = |(n, name): (usize, &&str)| match all_alike {

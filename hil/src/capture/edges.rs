@@ -32,6 +32,15 @@ pub struct Capture {
 }
 
 impl Signal {
+    /// A signal of this name with these edges, whose level is known throughout.
+    pub fn new(name: String, edges: Vec<(u64, bool)>) -> Self {
+        Self {
+            name,
+            edges,
+            ..Self::default()
+        }
+    }
+
     /// Sets the level at a time; false for the same level again, which is no edge.
     pub(super) fn set(&mut self, t_ns: u64, high: bool) -> bool {
         if let Some(from) = self.lost.take() {
