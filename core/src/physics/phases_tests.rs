@@ -96,7 +96,8 @@ fn a_wire_without_martensite_pulls_its_bow_as_published() {
     };
     let law = Law::new(&r_alloy, &TissueParameters::DEFAULT, 33.0).unwrap();
     let mut phases = Phases::rest(&law).unwrap();
-    assert_eq!(phases.fractions(33.0), [0.0, 1.0]);
+    let [m, r] = phases.fractions(33.0);
+    assert!(m <= 0.0 && (r - 1.0).abs() < 1e-15);
     phases.walk(&law, 42.0);
     let [m, r] = phases.fractions(42.0);
     let kappa = law.curve.pieces[phases.piece].stiffness_pa * 1e-9;
@@ -144,7 +145,8 @@ fn nothing_drifts() {
         phases.walk(&law, 33.0);
         let cold = Phases::rest(&law).unwrap();
         assert!((phases.strain() - cold.strain()).abs() < 1e-15);
-        assert_eq!(phases.fractions(33.0), cold.fractions(33.0));
+        let bits = |phases: &Phases| phases.fractions(33.0).map(f64::to_bits);
+        assert_eq!(bits(&phases), bits(&cold));
     }
 }
 

@@ -4,6 +4,9 @@
 //! further on, and both balances, of heat and of length, are solved as two equations at every stage. A step ends where
 //! anything ends.
 
+// Indices name nodes and shares, several arrays of them at once.
+#![allow(clippy::needless_range_loop)]
+
 use super::*;
 use crate::display::finger::{NODES, ThermalNetwork};
 use palpate_core::physics::{
