@@ -81,7 +81,7 @@ pub use replay::{
     CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
 pub use rezero::rezero;
-pub use runner::{run_with, scene_levels};
+pub use runner::{run_with, scene_end, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use skin::EmulatedSkin;

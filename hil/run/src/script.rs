@@ -12,6 +12,7 @@ use palpate_records::trace::Event;
 use serde::Serialize;
 
 use super::effects::{Faultable, counter, i2c_kind, on_chip, on_converter, on_module, rules};
+use super::supervisor::note;
 use palpate_files::{Drive, Fault, FaultKind};
 
 /// Duration of a momentary fault where the scene does not say: a reboot, a bus-off host.
@@ -363,8 +364,4 @@ fn error_frames(bench: &mut Faultable<'_>, fault: &Fault) {
         let errors = classes.iter().cycle().take(count);
         errors.for_each(|&error| b.segment_mut().inject(error));
     });
-}
-
-fn note(events: &mut Vec<Event>, now: Instant, text: String) {
-    events.push(Event::note(now, text));
 }

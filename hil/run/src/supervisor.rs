@@ -172,6 +172,7 @@ impl Supervisor {
     }
 }
 
-fn note(events: &mut Vec<Event>, now: Instant, text: String) {
+/// A line worth keeping.
+pub(crate) fn note(events: &mut Vec<Event>, now: Instant, text: String) {
     events.push(Event::note(now, text));
 }

@@ -15,10 +15,10 @@ use palpate_run::{Failure, Session, Turn, rezero};
 
 use super::ends::{Sensed, Watched, goes_on, part, switch_off};
 use super::records::{Records, Said};
-use super::{STOPPED_BY_PAGE, panicked, priority};
+use super::{panicked, priority};
 use crate::interfaces::lines;
 use crate::progress::Progress;
-use crate::views::Wanted;
+use crate::views::{STOPPED_BY_PAGE, Wanted};
 
 /// Time between two looks at the records while no finger reports.
 const ROUND: Elapsed = Elapsed::from_millis(50);
