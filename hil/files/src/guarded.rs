@@ -20,47 +20,47 @@ const CONDUCTIVITY_W_MK: f64 = 18.0;
 /// Heat transfer to still air of a wire of 75 um, W/(m2 K), to whole ones. Air takes it away.
 const AIR_W_M2K: f64 = 172.0;
 
-/// Whether the guard has rows of heat for a wire.
+/// Whether the guard has rows of heat for a wire of such a size.
 ///
 /// # Errors
 /// Names the line and key of what lies outside them, and their range.
-pub(super) fn check(wire: &WireFile, source: &Source) -> Result<(), FileError> {
-    let size = |range: RangeInclusive<u32>| {
+pub(super) fn size(wire: &WireFile, source: &Source) -> Result<(), FileError> {
+    let range = |range: RangeInclusive<u32>| {
         let (low, high) = range.into_inner();
         f64::from(low) / 1e3..=f64::from(high) / 1e3
     };
+    let within = |key: &str, value: f64, of: RangeInclusive<u32>, unit: &str| {
+        source.range(key, &value, range(of), &format!("{unit}: {WHY}"))
+    };
+    within("diameter_um", wire.diameter_um, WornWire::DIAMETER_NM, "um")?;
+    within("length_mm", wire.length_mm, WornWire::LENGTH_UM, "mm")
+}
+
+/// Whether the guard has rows of heat for a wire of such a material, in such air.
+///
+/// # Errors
+/// Names the line and key of what lies outside them, and their range.
+pub(super) fn heat(wire: &WireFile, source: &Source) -> Result<(), FileError> {
     let heat = &wire.thermal;
     let [least, most] = CAPACITY.map(|each| each / heat.density_kg_m3);
     let air = AIR_W_M2K * (wire.diameter_um / 75.0).powf(AIR_POWER);
-    for (key, value, range, unit) in [
-        (
-            "diameter_um",
-            wire.diameter_um,
-            size(WornWire::DIAMETER_NM),
-            "um",
-        ),
-        ("length_mm", wire.length_mm, size(WornWire::LENGTH_UM), "mm"),
-        (
-            "thermal.specific_heat_j_kgk",
-            heat.specific_heat_j_kgk,
-            least..=most,
-            "J/kgK",
-        ),
-        (
-            "thermal.conductivity_w_mk",
-            heat.conductivity_w_mk,
-            CONDUCTIVITY_W_MK..=500.0,
-            "W/mK",
-        ),
-        (
-            "thermal.air_w_m2k",
-            heat.air_w_m2k,
-            air.floor()..=2000.0,
-            "W/m2K",
-        ),
-    ] {
-        source.range(key, &value, range, &format!("{unit}: {WHY}"))?;
-    }
+    let within = |key: &str, value: f64, range: RangeInclusive<f64>, unit: &str| {
+        let key = format!("thermal.{key}");
+        source.range(&key, &value, range, &format!("{unit}: {WHY}"))
+    };
+    within(
+        "specific_heat_j_kgk",
+        heat.specific_heat_j_kgk,
+        least..=most,
+        "J/kgK",
+    )?;
+    within(
+        "conductivity_w_mk",
+        heat.conductivity_w_mk,
+        CONDUCTIVITY_W_MK..=500.0,
+        "W/mK",
+    )?;
+    within("air_w_m2k", heat.air_w_m2k, air.floor()..=2000.0, "W/m2K")?;
     let beside: f64 = wire.plays.iter().map(|play| play.latent_heat_j_kg).sum();
     if heat.latent_heat_j_kg + beside > LATENT_J_KG {
         let expected = format!("at most {LATENT_J_KG} J/kg with all of [[plays]]: {WHY}");

@@ -218,6 +218,7 @@ impl WireFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
+        guarded::size(&wire, source)?;
         bounds!(source, "electrical", wire.electrical;
             resistance_ohm: 0.01..=1000.0, "Ohm";
             wire_share: 0.0..=1.0;
@@ -230,7 +231,7 @@ impl WireFile {
             conductivity_w_mk: 0.0..=500.0, "W/mK";
             air_w_m2k: 0.0..=2000.0, "W/m2K";
             mount_w_k: 0.0..=1.0, "W/K")?;
-        guarded::check(&wire, source)?;
+        guarded::heat(&wire, source)?;
         bounds!(source, "mechanical", wire.mechanical;
             bias_stress_mpa: 0.0..=1000.0, "MPa";
             modulus_austenite_gpa: 1.0..=500.0, "GPa";

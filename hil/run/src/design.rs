@@ -140,7 +140,6 @@ pub fn outcome(
     outcome.wire_c = peaks.wire_c;
     outcome.skin_c = [peaks.shallow_c, hottest.peaks(end).shallow_c];
     let rows = [
-        ("size", WornWire::new(wire, tissue).check().is_err()),
         (
             "skin-peak",
             outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64,
@@ -152,6 +151,7 @@ pub fn outcome(
                 Some(_) => tight,
             },
         ),
+        ("size", WornWire::new(wire, tissue).check().is_err()),
     ];
     outcome.excluded = outcome.excluded.or_else(|| first(&rows));
     Ok(outcome)
