@@ -14,6 +14,8 @@ pub struct Gain {
 
 /// Counts from 0 to 65535 have their middle here.
 const MIDDLE: f64 = 32_768.0;
+/// So many counts may be taken at rest: the others are for touches.
+const ROOM: f64 = 1.75 * MIDDLE;
 /// Counts that noise shall come to, at least: a threshold is found from it.
 const NOISE: f64 = 3.0;
 /// The gain of values without noise, such as a simulator's.
@@ -77,17 +79,17 @@ impl Gain {
 }
 
 impl Gain {
-    /// A power of ten by which noise comes to a few counts, and values from the least to the most to half of them.
+    /// A power of ten by which noise comes to a few counts, and which leaves room for touches.
     fn proposed(noise: Option<f64>, least: f64, most: f64) -> Self {
         let tens = |log: f64| libm::pow(10.0, log);
         let by_noise = noise.map_or(WITHOUT_NOISE, |noise| {
             tens(libm::ceil(libm::log10(NOISE / noise)))
         });
-        let by_span = tens(libm::floor(libm::log10(MIDDLE / (most - least))));
+        let by_span = tens(libm::floor(libm::log10(ROOM / (most - least))));
         let per_unit = by_noise.min(by_span);
         let at_zero = if most.max(-least) * per_unit <= MIDDLE / 2.0 {
             MIDDLE
-        } else if least >= 0.0 && most * per_unit <= MIDDLE * 1.75 {
+        } else if least >= 0.0 && most * per_unit <= ROOM {
             0.0
         } else {
             libm::round(MIDDLE - (least + most) / 2.0 * per_unit)
