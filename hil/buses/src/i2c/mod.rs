@@ -142,6 +142,7 @@ impl Line {
         self.last.as_ref()
     }
 
+    #[allow(clippy::disallowed_methods)] // how long a real adapter hangs has no emulated time
     fn exchange(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
         if let Some(overdue) = self.overdue.take() {
             // What it says came too late for its caller.
