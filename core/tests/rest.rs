@@ -492,10 +492,8 @@ fn touches_are_found_as_if_nothing_disturbed_them() {
         }
         let missed = Score::share(sum.missed[0], sum.touched);
         let invented = Score::share(sum.invented[0], sum.free);
-        println!(
-            "{:6} missed {missed:.2} %, invented {invented:.2} %",
-            skin.name
-        );
+        let name = skin.name;
+        println!("{name:6} missed {missed:.2} %, invented {invented:.2} %");
         assert!(missed < 1.0 && invented < 1.0, "{}", skin.name);
     }
 }

@@ -1,3 +1,5 @@
+//! Rows of heat by the geometry of a wire.
+
 use alloc::string::ToString;
 
 use super::*;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::rows::Number;
+use super::number::Number;
 
 /// Counts per unit and at 0: counts are `value * per_unit + at_zero`, rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -35,6 +35,7 @@ mod migrate;
 mod module;
 mod mount;
 mod near;
+mod number;
 mod objects;
 mod order;
 mod overrides;
@@ -101,6 +102,7 @@ pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
+pub use number::Number;
 pub use overrides::Overrides;
 pub use own_bench::DEFAULT_BENCH;
 pub use pace::Pace;
@@ -115,10 +117,11 @@ pub use protocol::{
 };
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{
-    LONGEST_LINE, Lines, Text, entries, format_of, is_stream, open, read_bytes, read_text,
+    LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,
+    read_text,
 };
 pub use resolve::{FileKind, resolve, resolve_from};
-pub use rows::{Input, MOST_VALUES, Number, RowAt, Rows};
+pub use rows::{Input, RowAt, Rows};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,

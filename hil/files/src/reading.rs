@@ -16,6 +16,8 @@ use super::format::Format;
 pub const MOST_SETTINGS: u64 = 2 << 20;
 /// Longest line of a text, bytes, where its columns do not ask for more.
 pub const LONGEST_LINE: usize = 1 << 20;
+/// Most values of a table that is held as a whole: six hours of 48 columns at 40 Hz.
+pub const MOST_VALUES: usize = 40 << 20;
 /// Longest run of NUL bytes that counts as the tail of a power cut.
 const MOST_NULS: u64 = 64 << 20;
 /// So much of a file tells its format.

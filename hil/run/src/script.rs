@@ -12,7 +12,6 @@ use palpate_records::trace::Event;
 use serde::Serialize;
 
 use super::effects::{Faultable, counter, i2c_kind, on_chip, on_converter, on_module, rules};
-use super::supervisor::note;
 use palpate_files::{Drive, Fault, FaultKind};
 
 /// Duration of a momentary fault where the scene does not say: a reboot, a bus-off host.
@@ -129,11 +128,8 @@ impl Script {
                 self.entries[n].state = State::On;
                 self.entries[n].base = counter(&self.entries[n].fault, bench);
                 self.change(n, true, now, bench);
-                note(
-                    events,
-                    now,
-                    format!("fault: {}", self.entries[n].fault.words()),
-                );
+                let text = format!("fault: {}", self.entries[n].fault.words());
+                events.push(Event::note(now, text));
             }
             if self.entries[n].state == State::On && until.is_some_and(|t| t <= now) {
                 self.change(n, false, now, bench);
@@ -160,11 +156,8 @@ impl Script {
         e.state = State::Over;
         let hits = counter(&e.fault, bench).saturating_sub(e.base);
         e.count = e.count.max(hits);
-        note(
-            events,
-            now,
-            format!("fault over: {}, count {}", e.fault.words(), e.count),
-        );
+        let text = format!("fault over: {}, count {}", e.fault.words(), e.count);
+        events.push(Event::note(now, text));
     }
 
     /// The bus of a module and its board's place there.

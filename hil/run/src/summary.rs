@@ -49,8 +49,7 @@ pub struct FeltSummary {
     pub taps: u64,
     /// Level that the scene asks for; null where it asks for none.
     pub asked: Option<AskedLevel>,
-    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something was felt, or would
-    /// be.
+    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something is felt.
     pub missing_db: Option<f64>,
     /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
     pub band: Option<FeltBand>,

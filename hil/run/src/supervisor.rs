@@ -173,6 +173,6 @@ impl Supervisor {
 }
 
 /// A line worth keeping.
-pub(crate) fn note(events: &mut Vec<Event>, now: Instant, text: String) {
+fn note(events: &mut Vec<Event>, now: Instant, text: String) {
     events.push(Event::note(now, text));
 }

@@ -2,6 +2,7 @@
 //!
 //! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
 
+pub(crate) mod branch;
 pub(crate) mod decay;
 mod eigen;
 pub mod exact;

@@ -11,7 +11,7 @@
 
 use palpate_core::physics::{ParameterError, WireParameters};
 
-use super::phase::{Branch, Heading};
+use super::branch::{Branch, Heading};
 use super::strain::Strain;
 
 /// Temperatures this close count as the same threshold, K.

@@ -11,8 +11,7 @@ use super::error::FileError;
 use super::format::Format;
 use super::made::Lines;
 use super::order::is_computed;
-use super::reading::{format_of, read_bytes};
-use super::rows::MOST_VALUES;
+use super::reading::{MOST_VALUES, format_of, read_bytes};
 
 /// Most bytes of a file: the iCub's blobs have 4 MB.
 const MOST: u64 = 256 << 20;
