@@ -21,8 +21,6 @@ pub mod guard;
 #[cfg(feature = "projector")]
 pub mod illusion;
 #[cfg(feature = "projector")]
-mod listed;
-#[cfg(feature = "projector")]
 pub mod peltier;
 #[cfg(feature = "projector")]
 pub mod physics;

@@ -6,19 +6,11 @@
 //! degrees Celsius.
 
 mod bow;
-mod curve;
-mod history;
-mod law;
 mod peltier;
-mod phases;
 mod play;
 
 pub use bow::{Bow, DEEPEST, Ends, Mount};
-pub use curve::{BEND_M, Curve, Piece, TIGHTEST};
-pub use history::{History, WireState};
-pub use law::{Law, SHARES};
 pub use peltier::{PeltierParameters, Thermistor};
-pub use phases::{Line, Phases};
 pub use play::{MOST_BESIDE, Play};
 
 /// Zero of the Celsius scale, in kelvin.
@@ -120,9 +112,6 @@ impl Mechanics {
     };
 }
 
-/// Power of the diameter with which a wire's heat transfer to still air goes: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
-pub const AIR_POWER: f64 = 3.0 * 0.058 - 1.0;
-
 /// One shape-memory wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WireParameters {
@@ -169,9 +158,6 @@ pub struct WireParameters {
     pub mechanics: Mechanics,
     /// How it sits on the finger.
     pub mount: Mount,
-    /// What it went through, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
-    /// parallel at a constant stress ([`Self::plays`]).
-    pub history: Option<History>,
 }
 
 impl WireParameters {
@@ -198,7 +184,6 @@ impl WireParameters {
         beside: [None; MOST_BESIDE],
         mechanics: Mechanics::DEFAULT,
         mount: Mount::DEFAULT,
-        history: None,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
@@ -225,7 +210,7 @@ impl WireParameters {
         }
     }
 
-    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a history.
+    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa.
     #[must_use]
     pub const fn taut(self) -> Self {
         Self {
@@ -236,7 +221,6 @@ impl WireParameters {
                 transformation_strain: Mechanics::DEFAULT.transformation_strain,
                 ..self.mechanics
             },
-            history: None,
             ..self
         }
     }
@@ -308,7 +292,6 @@ impl WireParameters {
         finite("mechanics.expansion_martensite", m.expansion_martensite)?;
         finite("mechanics.rest_c", m.rest_c)?;
         self.mount.check(self.length_m)?;
-        self.check_history()?;
         self.plays().map(drop)
     }
 }

@@ -11,4 +11,4 @@ pub mod solver;
 pub mod wire;
 
 #[cfg(test)]
-mod tests;
+mod thermal_tests;

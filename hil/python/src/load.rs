@@ -56,6 +56,7 @@ pub fn load_taxels<'py>(
                 ..Timing::default()
             },
             prefix: None,
+            rest_rows: 0,
         };
         let (input, notes) = recorded(&files, sensor, &reading)?;
         let Input::Rows(sources) = input else {

@@ -41,7 +41,6 @@ pub mod policy;
 pub mod recorded;
 mod recorder;
 mod replay;
-mod rezero;
 mod runner;
 pub mod script;
 mod scripted;
@@ -80,8 +79,7 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use rezero::rezero;
-pub use runner::{run_with, scene_end, scene_levels};
+pub use runner::{run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use skin::EmulatedSkin;
@@ -249,13 +247,7 @@ pub trait Host {
         false
     }
 
-    /// Asks after a turn whether the reference of the skin is to be taken anew: `Some(true)` also where something is in
-    /// contact.
-    fn rezero(&mut self) -> Option<bool> {
-        None
-    }
-
-    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
+    /// Takes the part of the run that is over, from 0 to 1, at every turn. Returns `true` to end the run.
     fn passed(&mut self, part: f64) -> bool {
         let _ = part;
         false

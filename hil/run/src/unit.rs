@@ -115,7 +115,7 @@ impl RemoteUnit {
             addresses,
             limits: *guard.limits(),
             plant: *guard.plant(),
-            worn: guard.worn().filter(|_| unit.heat),
+            heat: unit.heat,
             converters: plan::converters(bench),
         };
         let profile = profile(unit.network);

@@ -138,7 +138,6 @@ const COMMANDS: [(&[&str], Options); 26] = [
         &[
             ("--rate", Takes::Number),
             ("--soa-ms", Takes::Number),
-            ("--time", Takes::Named),
             ("--columns", Takes::Named),
         ],
     ),

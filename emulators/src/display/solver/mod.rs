@@ -2,7 +2,6 @@
 //!
 //! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
 
-pub(crate) mod branch;
 pub(crate) mod decay;
 mod eigen;
 pub mod exact;
@@ -10,8 +9,7 @@ mod highest;
 mod lanes;
 mod maxima;
 pub mod modal;
-pub(crate) mod phase;
-mod plays;
+mod phase;
 mod propagators;
 pub mod record;
 mod regimes;

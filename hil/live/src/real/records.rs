@@ -111,12 +111,7 @@ impl Records {
         self.views.are_open()
     }
 
-    /// As [`Views::rezero`].
-    pub(super) fn rezero(&self) -> Option<bool> {
-        self.views.rezero()
-    }
-
-    /// Takes what a finger says; whether those who look on want the run to end.
+    /// Takes a finger's report. Returns `true` where a viewer wants the run to end.
     pub(super) fn take(&mut self, said: Said) -> bool {
         let Some(own) = self.fingers.get_mut(said.finger) else {
             return false;

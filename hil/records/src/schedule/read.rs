@@ -46,13 +46,12 @@ struct Line {
 }
 
 /// Every cause that is written into a schedule.
-const CAUSES: [&str; 8] = [
+const CAUSES: [&str; 7] = [
     "start",
     "stale-input",
     "actuator-error",
     "sensor-error",
     "late-tick",
-    "rezero",
     "end",
     "overrun",
 ];
