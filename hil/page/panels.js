@@ -78,8 +78,8 @@ export class Panels {
   recorded() {
     if (!this.sofar) return undefined;
     const { stimuli, limited, hottest_c } = this.sofar, { limits_c, model_c: [, most] } = this.head;
-    const hottest = hottest_c > most ? `over ${most}` : number(hottest_c, 1);
-    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${hottest} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
+    const told = () => (hottest_c > most ? `over ${most}` : number(hottest_c, 1));
+    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${told()} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
     return `${skin}${stimuli} ${stimuli === 1 ? "stimulus" : "stimuli"} so far, ${limited} limited by the guard`;
   }
 
