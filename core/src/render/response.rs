@@ -38,7 +38,7 @@ impl Response {
     }
 
     /// Response from an amplitude for each width from no tick on.
-    /// Where a wider pulse is felt less, the narrower one's counts.
+    /// A width that is felt less than a narrower one gets the narrower one's amplitude.
     pub fn new(mut amplitudes: Box<[f32]>) -> Self {
         let mut most = 0.0;
         for amplitude in &mut amplitudes {

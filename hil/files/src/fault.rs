@@ -164,7 +164,7 @@ impl FaultKind {
         self < Self::I2cAddressNack
     }
 
-    /// Whether it is done to the display's side: boards, their bus, amplifiers, wires.
+    /// Tells whether the fault is one of the display's side: boards, their bus, amplifiers, wires.
     #[must_use]
     pub fn is_of_display(self) -> bool {
         !self.is_of_sensors()

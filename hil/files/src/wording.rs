@@ -12,9 +12,9 @@ use super::near::did_you_mean;
 pub(super) struct Misfit {
     /// A key of the table that was being read, where that is unknown or missing.
     pub field: Option<String>,
-    /// What was expected instead.
+    /// Expected value, in words.
     pub expected: String,
-    /// What was found, where the value itself does not show it.
+    /// Found value, in words; `None` where the value itself is shown.
     pub found: Option<String>,
 }
 

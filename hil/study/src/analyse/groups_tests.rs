@@ -24,7 +24,7 @@ fn the_effect_is_that_of_u() {
     assert!(compared("x", ("a", "b"), [&a, &[]]).is_none());
 }
 
-/// Of samples from a known distribution the interval of the mean holds the truth about as often as it says.
+/// The interval of a mean holds the truth of a known distribution about as often as it says.
 #[test]
 fn intervals_hold_the_truth() {
     let mut random = RandomStream::new(3, "coverage");
