@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Point, Ticks};
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         board: Board(0),
         channel: Channel(3),
     };
-    let mut guard = Guard::new(HARD, Plant::default(), &[wire])?;
+    let mut guard = Guard::new(HARD, Plant::default(), &[wire], WornWire::default())?;
     for onset in 0..12 {
         let at = Instant::from_micros(58_500 * onset);
         guard.hear(at); // a sensor frame: a skin that falls silent stops the wires

@@ -21,6 +21,8 @@ pub mod guard;
 #[cfg(feature = "projector")]
 pub mod illusion;
 #[cfg(feature = "projector")]
+mod listed;
+#[cfg(feature = "projector")]
 pub mod peltier;
 #[cfg(feature = "projector")]
 pub mod physics;

@@ -2,7 +2,7 @@
 
 use palpate_core::codec::link::MOST;
 use palpate_core::driver::{Actuators, UnitDriver, UnitSettings};
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
@@ -48,7 +48,7 @@ fn lateness(jitter_us: u32, ppm: i32, seed: u64) -> Vec<i64> {
         addresses: &[0x40],
         limits: HARD,
         plant: Plant::default(),
-        heat: false,
+        worn: None,
         converters: None,
     };
     let profile = Profile {
@@ -68,7 +68,7 @@ fn lateness(jitter_us: u32, ppm: i32, seed: u64) -> Vec<i64> {
             resumes: true,
         },
     );
-    let mut guard = Guard::new(HARD, Plant::default(), &wires).unwrap();
+    let mut guard = Guard::new(HARD, Plant::default(), &wires, WornWire::default()).unwrap();
     let mut dice = RandomStream::new(seed, "onsets");
     let (mut late, mut expected, mut onset) = (Vec::new(), None, 1_000_000);
     for ms in 0..30_000u64 {

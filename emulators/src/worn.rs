@@ -30,7 +30,7 @@ use rise::Rise;
 use stage::Stage;
 use wearing::Wearing;
 
-/// Tissue temperature from which everything starts, degrees C.
+/// Tissue at rest unless stated, degrees C: a warm face of a Peltier module counts from here.
 pub const START_C: f64 = 33.0;
 
 /// Place of a wire, and the channel that drives it.
@@ -326,7 +326,7 @@ impl WornDisplay {
         }
         // Between samples the integral is taken as straight; before the start all was at rest.
         let length = MEAN_WINDOW.as_secs_f64();
-        let rest = (length - now.since(begin).as_secs_f64()) * START_C;
+        let rest = (length - now.since(begin).as_secs_f64()) * self.tissue.body_c;
         let mean = |wire: usize| {
             let mut then = 0.0;
             if let (Some(a), Some(b)) = (self.past.front(), self.past.get(1)) {

@@ -35,7 +35,7 @@ pub use meant::meant;
 pub use names::{VARIABLE, complete};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
-use palpate_files::TimeColumn;
+use palpate_files::{Gain, TimeColumn};
 pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
@@ -304,8 +304,8 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
-    /// `time_us`).
+    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
+    /// column whose name says that it holds times).
     #[arg(
         long,
         value_name = "COLUMN[:UNIT]",
@@ -313,9 +313,18 @@ pub struct RunArgs {
         conflicts_with = "rate"
     )]
     pub time: Option<TimeColumn>,
-    /// The columns to read, by what their names begin with, in the order of the file (default: `txl1_x` and so on).
+    /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
+    /// on, or the only ones of that number).
     #[arg(long, value_name = "PREFIX", requires = "replay")]
     pub columns: Option<String>,
+    /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
+    #[arg(
+        long,
+        value_name = "COUNTS[:OFFSET]",
+        requires = "replay",
+        allow_hyphen_values = true
+    )]
+    pub gain: Option<Gain>,
     /// Where the clock jumps, play what follows right after what came before.
     #[arg(long, requires = "replay")]
     pub split_jumps: bool,
@@ -397,7 +406,7 @@ pub enum StaleArg {
 /// Options of `hil contacts`.
 #[derive(Debug, Args)]
 pub struct ContactsArgs {
-    /// Recorded taxels (CSV).
+    /// Recorded taxels: a table of text, an array, messages (MCAP).
     pub file: PathBuf,
     /// Sensor layout: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE")]
@@ -409,13 +418,14 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
     /// Number of contact-free rows at the start that make the reference.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = palpate_files::REFERENCE_ROWS, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
-    /// Contact threshold: auto (the largest value of the first row after the reference), per-taxel (from every taxel's
-    /// own noise) or raw counts.
-    #[arg(long, default_value = "auto", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
+    /// Contact threshold: per-taxel (from every taxel's own noise), auto (as published: the largest value of the first row
+    /// after the reference) or raw counts.
+    #[arg(long, default_value = "per-taxel", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
-    /// Let the reference follow taxels not in contact, with this time constant (default: it stays fixed).
+    /// Let the reference follow taxels not in contact, with this time constant (default: 5 with per-taxel thresholds; with
+    /// others it stays as the first rows have it).
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub drift_s: Option<f64>,
     /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
@@ -437,13 +447,17 @@ pub struct ContactsArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
-    /// `time_us`).
+    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
+    /// column whose name says that it holds times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
-    /// The columns to read, by what their names begin with, in the order of the file (default: `txl1_x` and so on).
+    /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
+    /// on, or the only ones of that number).
     #[arg(long, value_name = "PREFIX")]
     pub columns: Option<String>,
+    /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
+    #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
+    pub gain: Option<Gain>,
     /// Where the clock jumps, play what follows right after what came before.
     #[arg(long)]
     pub split_jumps: bool,

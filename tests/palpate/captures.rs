@@ -26,15 +26,15 @@ fn trace(scene: usize) -> &'static Trace {
 
 /// The pins of a run, from its start to its end.
 fn capture(trace: &Trace) -> Capture {
-    let signal = |w: &palpate_records::trace::WireInfo| Signal {
-        name: format!("b{}_ch{}", w.board, w.channel),
-        edges: edges(trace, w.board, w.channel),
+    let signal = |w: &palpate_records::trace::WireInfo| {
+        let name = format!("b{}_ch{}", w.board, w.channel);
+        Signal::new(name, edges(trace, w.board, w.channel))
     };
     Capture {
         signals: trace.header.wires.iter().map(signal).collect(),
         resolution_ns: 1,
         end_ns: trace.ledger.length_us * 1000,
-        notes: Vec::new(),
+        ..Capture::default()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Currents that are set, through whole runs: what records say, what reaches the wires, and what a broken converter ends.
 
 use palpate_core::driver::{Actuators, Pca9685Bank};
-use palpate_core::guard::{CurrentControl, Guard, HARD, Plant};
+use palpate_core::guard::{CurrentControl, Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::schedule::Stimulus;
@@ -109,7 +109,7 @@ fn watts(error: SetError, rise: Nanos) -> Vec<f64> {
         gain_ppm: 20_000,
         offset: Milliamps(5),
     };
-    let guard = Guard::new(HARD, Plant::default(), &wires).unwrap();
+    let guard = Guard::new(HARD, Plant::default(), &wires, WornWire::default()).unwrap();
     let mut guard = guard.with_current(control).unwrap();
     let bank = Pca9685Bank::new(display.bus(), &[0x40], Plant::default().prescale);
     let mut bank = bank.with_converters(&[0x48], Milliamps(990));

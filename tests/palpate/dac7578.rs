@@ -4,7 +4,7 @@ use embedded_hal::i2c::I2c;
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use palpate_core::codec::dac7578::{WRITE_UPDATE, data, frame};
 use palpate_core::driver::{Actuators, DriverError, Pca9685Bank};
-use palpate_core::guard::{CurrentControl, Guard, Guarded, HARD, Plant};
+use palpate_core::guard::{CurrentControl, Guard, Guarded, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
@@ -31,7 +31,7 @@ fn guard(wires: u8) -> Guard {
         offset: Milliamps(0),
     };
     let wires: Vec<DisplayWire> = (0..wires).map(wire).collect();
-    let fixed = Guard::new(HARD, Plant::default(), &wires).unwrap();
+    let fixed = Guard::new(HARD, Plant::default(), &wires, WornWire::default()).unwrap();
     fixed.with_current(control).unwrap()
 }
 

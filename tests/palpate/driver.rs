@@ -4,7 +4,7 @@ use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operatio
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use palpate_core::driver::Actuators;
 use palpate_core::driver::{DriverError, Pca9685Bank};
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Clock, Instant, Milliamps, Point, Prescale, Ticks};
@@ -27,7 +27,7 @@ fn guard(outputs: &[(u8, u8)]) -> Guard {
         channel: Channel(channel),
     };
     let wires: Vec<DisplayWire> = outputs.iter().enumerate().map(wire).collect();
-    Guard::new(HARD, plant, &wires).unwrap()
+    Guard::new(HARD, plant, &wires, WornWire::default()).unwrap()
 }
 
 fn stimulus(wire: u16, width: u16, at_us: u64) -> Stimulus {

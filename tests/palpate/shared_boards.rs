@@ -2,7 +2,7 @@
 
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use palpate_core::driver::{Actuators, Banks, Pca9685Bank};
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
@@ -28,7 +28,7 @@ fn guard(first: u8) -> Guard {
         peak: Milliamps(990),
         bus: palpate_core::units::Duration::ZERO,
     };
-    let mut guard = Guard::new(HARD, plant, &wires).unwrap();
+    let mut guard = Guard::new(HARD, plant, &wires, WornWire::default()).unwrap();
     guard.hear(Instant::ZERO);
     guard
 }
@@ -142,7 +142,7 @@ fn an_update_is_written_around_channels_of_others() {
         peak: Milliamps(990),
         bus: palpate_core::units::Duration::ZERO,
     };
-    let mut guard = Guard::new(HARD, plant, &[wire(0), wire(2)]).unwrap();
+    let mut guard = Guard::new(HARD, plant, &[wire(0), wire(2)], WornWire::default()).unwrap();
     guard.hear(Instant::ZERO);
     let until = Instant::from_micros(35_000);
     let stimulus = |wire| Stimulus {

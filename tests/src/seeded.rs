@@ -108,7 +108,7 @@ impl Seeded {
     pub fn file_with(&self, more: &[(&str, String)]) -> Option<Vec<u8>> {
         let encoder = self.with(Encoder::new).ok()?;
         let window = stroke(1, self.window, self.scale_min.len());
-        let mut room = encoder.room(1);
+        let mut room = encoder.room();
         let latent = encoder.encode(&mut room, &window).ok()?.to_vec();
         let mut tensors = vec![
             (

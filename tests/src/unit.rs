@@ -7,7 +7,7 @@ use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 use palpate_core::codec::link::{
     Buffer, Command, Header, Key, Kind, MOST, Planned, Refusal, Request, Said,
 };
-use palpate_core::guard::{HARD, Plant};
+use palpate_core::guard::{HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Point, Ticks};
 use palpate_unit::{Datagrams, NoPin, Settings, SettingsError, Unit};
@@ -77,7 +77,10 @@ fn write(chip: &mut [u8; 256], register: usize, value: u8) {
 ///
 /// # Errors
 /// None that its settings give cause for.
-pub fn unit(heat: bool, answers: &Cell<bool>) -> Result<Unit<Registers<'_>, NoPin>, SettingsError> {
+pub fn unit(
+    worn: Option<WornWire>,
+    answers: &Cell<bool>,
+) -> Result<Unit<Registers<'_>, NoPin>, SettingsError> {
     let chips = [[0; 256]; 2];
     let settings = Settings {
         key: &KEY,
@@ -86,7 +89,7 @@ pub fn unit(heat: bool, answers: &Cell<bool>) -> Result<Unit<Registers<'_>, NoPi
         addresses: &[0x40, 0x41],
         limits: HARD,
         plant: Plant::default(),
-        heat,
+        worn,
         converters: None,
     };
     Unit::new(&settings, Registers { chips, answers }, NoPin)

@@ -9,8 +9,8 @@ use crate::units::{Duration, Instant, Ticks};
 use super::Guard;
 use super::admission::faded;
 use super::decays::{Decays, RATES};
+use super::kernel::Kernel;
 use super::power::Bucket;
-use super::table::{DEEP, SHALLOW};
 
 /// The second that [`Guard::second_uw`] looks ahead.
 const SECOND: Duration = Duration::from_millis(1000);
@@ -134,7 +134,8 @@ impl Guard {
                 .sum()
         };
         let heat = self.heat.as_ref().map_or(f64::INFINITY, |heat| {
-            heat.budget.even_w(per_watt(&SHALLOW), per_watt(&DEEP))
+            let Kernel { shallow, deep, .. } = &heat.budget.kernel;
+            heat.budget.even_w(per_watt(shallow), per_watt(deep))
         });
         let power = self.wires.iter().map(|w| w.power.rate_uw());
         let power = power.fold(self.fingertip.rate_uw(), u64::min);

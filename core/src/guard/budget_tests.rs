@@ -5,7 +5,7 @@ use alloc::{format, vec::Vec};
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{HARD, Limits, Plant, Setting};
+use crate::guard::{HARD, Limits, Plant, Setting, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Channel, Milliamps, Point, Prescale};
@@ -30,7 +30,7 @@ fn guard_at(prescale: Prescale, limits: Limits, milliamps: u32) -> Guard {
         peak: Milliamps(milliamps),
         bus: Duration::ZERO,
     };
-    Guard::new(limits, plant, &wires).unwrap()
+    Guard::new(limits, plant, &wires, WornWire::default()).unwrap()
 }
 
 /// A table that leaves one row after another the tightest.

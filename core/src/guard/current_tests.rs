@@ -1,7 +1,7 @@
 //! Tests of amplifiers whose current is set: what counts, what is refused, and that fixed ones stay as they were.
 
 use super::*;
-use crate::guard::HARD;
+use crate::guard::{HARD, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Entry;
 use crate::units::{Board, Channel, Duration, Point, Ticks};
@@ -20,7 +20,13 @@ fn fixed() -> Guard {
         board: Board(0),
         channel: Channel(n),
     };
-    Guard::new(HARD, Plant::default(), &[wire(0), wire(1)]).unwrap()
+    Guard::new(
+        HARD,
+        Plant::default(),
+        &[wire(0), wire(1)],
+        WornWire::default(),
+    )
+    .unwrap()
 }
 
 fn set() -> Guard {

@@ -4,10 +4,8 @@
 
 use crate::units::Duration;
 
-use super::table::{SHALLOW, SLOWEST};
+use super::table::{DECAYS, SLOWEST};
 
-/// Decays a wire.
-pub(super) const DECAYS: usize = SHALLOW.len();
 /// One number a decay.
 pub(super) type Decays = [f64; DECAYS];
 
@@ -60,11 +58,11 @@ impl Stretch {
         core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
     }
 
-    /// Time integral over the stretch of what `SHALLOW` makes of the energies, K s.
-    pub(super) fn integral(&self, energy: &Decays, joules: f64) -> f64 {
+    /// Time integral over the stretch of what coefficients, K/J, make of the energies, K s.
+    pub(super) fn integral(&self, coefficients: &Decays, energy: &Decays, joules: f64) -> f64 {
         let term = |k: usize| {
             let old = energy[k] * (1.0 - self.left[k]);
-            SHALLOW[k] / RATES[k] * (old + joules * (1.0 - self.kept[k]))
+            coefficients[k] / RATES[k] * (old + joules * (1.0 - self.kept[k]))
         };
         (0..DECAYS).map(term).sum()
     }

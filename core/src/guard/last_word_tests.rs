@@ -59,9 +59,11 @@ fn what_a_whole_guard_passed_the_last_word_passes_unchanged() {
             supply: Milliamps(1000 + 500 * (case % 4) as u32),
             ..HARD
         };
-        let mut whole = Guard::new(limits, Plant::default(), &wires()).unwrap();
+        let mut whole =
+            Guard::new(limits, Plant::default(), &wires(), WornWire::default()).unwrap();
         let heat = case % 4 == 3;
-        let mut last = Guard::last_word(limits, Plant::default(), &wires(), heat).unwrap();
+        let worn = heat.then(WornWire::default);
+        let mut last = Guard::last_word(limits, Plant::default(), &wires(), worn).unwrap();
         assert_eq!((whole.has_heat(), last.has_heat()), (true, heat));
         let mut at = Instant::ZERO;
         for _ in 0..100 {
@@ -89,7 +91,7 @@ fn what_a_whole_guard_passed_the_last_word_passes_unchanged() {
 
 #[test]
 fn a_change_leaves_wires_alone_that_it_does_not_name() {
-    let mut guard = Guard::last_word(HARD, Plant::default(), &wires(), false).unwrap();
+    let mut guard = Guard::last_word(HARD, Plant::default(), &wires(), None).unwrap();
     let at = Instant::from_micros(1000);
     let stimulus = |wire, width, at: Instant| Stimulus {
         wire,

@@ -9,7 +9,8 @@ use crate::units::{Duration, Instant, Ticks};
 use super::Guard;
 use super::decays::{Decays, RATES, Stretches, dot};
 use super::dose::{Dose, Doses};
-use super::table::{LATENT_K, REST_C, SHALLOW};
+use super::kernel::Kernel;
+use super::table::LATENT_K;
 
 /// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
 /// burst lies in one.
@@ -36,24 +37,26 @@ struct Round {
     kept: Doses,
     /// What tissue is without a wire's heat, K above skin at rest.
     rest_k: f64,
+    kernel: Kernel,
 }
 
 /// Tissue 0.1 mm deep, degrees C, at so many kelvin above skin at rest without a wire's heat.
-fn shallow_c(energy: &Decays, rest_k: f64) -> f64 {
-    REST_C + rest_k + LATENT_K[0] + dot(&SHALLOW, energy)
+fn shallow_c(kernel: &Kernel, energy: &Decays, rest_k: f64) -> f64 {
+    kernel.rest_c + rest_k + LATENT_K[0] + dot(&kernel.shallow, energy)
 }
 
 impl Round {
     fn of(
         (bursts, period): (&[Booked], Duration),
         energy: Decays,
-        rest_k: f64,
+        (kernel, rest_k): (&Kernel, f64),
         known: &mut Stretches,
     ) -> Self {
         let mut round = Self {
             energy,
             rest_k,
-            dose: Dose::new(shallow_c(&energy, rest_k)),
+            kernel: *kernel,
+            dose: Dose::new(shallow_c(kernel, &energy, rest_k)),
             kept: Doses {
                 omega: 0.0,
                 cem43_min: 0.0,
@@ -73,7 +76,7 @@ impl Round {
                 .end(&round.energy, burst.energy_nj as f64 * 1e-9);
             round
                 .dose
-                .heat(shallow_c(&round.energy, rest_k), span.as_secs_f64());
+                .heat(shallow_c(kernel, &round.energy, rest_k), span.as_secs_f64());
             let kept = round.dose.kept_back();
             round.kept.omega += kept.omega / bursts.len() as f64;
             round.kept.cem43_min += kept.cem43_min / bursts.len() as f64;
@@ -88,7 +91,7 @@ impl Round {
         while now < to {
             let span = to.since(now).min(stride);
             self.energy = known.of(span).end(&self.energy, 0.0);
-            let shallow_c = shallow_c(&self.energy, self.rest_k);
+            let shallow_c = shallow_c(&self.kernel, &self.energy, self.rest_k);
             self.dose.relax(shallow_c, span.as_secs_f64());
             now += span;
             stride = stride + stride;
@@ -128,9 +131,9 @@ impl Guard {
         let period = period.max(all).max(Duration::from_micros(1));
         let seconds = period.as_secs_f64();
         let heat = self.heat.as_ref()?;
-        let (limits, rest_k) = (heat.budget.doses(), heat.rest.most_k);
+        let (limits, rest) = (heat.budget.doses(), (&heat.budget.kernel, heat.rest.most_k));
         let mut known = Stretches::new();
-        let round = |energy, known: &mut _| Round::of((bursts, period), energy, rest_k, known);
+        let round = |energy, known: &mut _| Round::of((bursts, period), energy, rest, known);
         let first = round(Decays::default(), &mut known);
         let energy = first.energy;
         let after = |rounds: u64| -> Decays {

@@ -1,7 +1,7 @@
 //! What is said of a session is what the guard then does.
 
 use super::*;
-use crate::guard::{HARD, Limits, Plant};
+use crate::guard::{HARD, Limits, Plant, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::{Reason, Stimulus};
 use crate::units::{Board, Channel, Milliamps, Point, Prescale, Ticks};
@@ -21,7 +21,7 @@ fn guard(limits: Limits) -> Guard {
         peak: Milliamps(990),
         bus: Duration::ZERO,
     };
-    Guard::new(limits, plant, &[wire]).unwrap()
+    Guard::new(limits, plant, &[wire], WornWire::default()).unwrap()
 }
 
 /// Width of the pulses and length of each burst, ms, and when it comes in a round, ms.

@@ -6,10 +6,10 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use super::decays::DECAYS;
 use super::dose::{Dose, Doses};
+use super::kernel::{Kernel, REST_C};
 use super::power::Spent;
-use super::table::{LATENT_K, REST_C};
+use super::table::{DECAYS, LATENT_K};
 use super::thermal::{BIN_US, BINS, Budget, Tissue};
 use super::{Booked, Guard};
 use crate::units::{Duration, Instant};
@@ -68,7 +68,7 @@ impl Spent {
 /// A wire that was never driven.
 impl Default for WireMemory {
     fn default() -> Self {
-        Tissue::new().memory(Instant::ZERO, Spent::default())
+        Tissue::new(REST_C).memory(Instant::ZERO, Spent::default())
     }
 }
 
@@ -142,7 +142,7 @@ impl Tissue {
 
     /// Tissue that goes on, as of `at` of this run, from what outlived another's. Its bins keep their place in time, and
     /// windows begin after the beginning of time.
-    fn recalled(memory: &WireMemory, at: Instant, face_k: f64) -> Self {
+    fn recalled(kernel: &Kernel, memory: &WireMemory, at: Instant, face_k: f64) -> Self {
         let (behind, ahead) = (memory.now.since(memory.at), memory.at.since(memory.now));
         let bins = (at + ahead).as_micros().div_ceil(BIN_US) + BINS as u64;
         let within = Duration::from_micros(memory.at.as_micros() % BIN_US);
@@ -156,9 +156,9 @@ impl Tissue {
             most_c: memory.most_c.unwrap_or(f64::INFINITY),
             face_k,
             rest_k: face_k,
-            ..Self::new()
+            ..Self::new(kernel.rest_c)
         };
-        tissue.dose = Dose::of(memory.doses, tissue.shallow_c());
+        tissue.dose = Dose::of(memory.doses, tissue.shallow_c(kernel));
         tissue
     }
 
@@ -166,10 +166,10 @@ impl Tissue {
     /// joule the less the older that is, so all of it comes last. Meanwhile tissue keeps to the peak, or to what it was.
     fn reserved(&self, budget: &Budget, (at, end): (Instant, Instant), joules: f64) -> Self {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        let rest_c = REST_C + LATENT_K[0];
-        let most_c = self.shallow_c().max(rest_c + budget.peak_k);
+        let rest_c = budget.kernel.rest_c + LATENT_K[0];
+        let most_c = self.shallow_c(&budget.kernel).max(rest_c + budget.peak_k);
         let until = self.at.max(end + self.begun);
-        tissue.relax(&mut stretches, until);
+        tissue.relax((&budget.kernel, &mut stretches), until);
         let first = (at + self.begun).as_micros() / BIN_US;
         let bins = until.as_micros().div_ceil(BIN_US).saturating_sub(first);
         for bin in tissue.bins.iter_mut().take(bins as usize) {
@@ -217,7 +217,7 @@ impl Guard {
     /// What outlives it as of `at`, wire by wire.
     fn recorded(&self, at: Instant, of: impl Fn(usize, &Tissue) -> WireMemory) -> Memory {
         // Without thermal rows nothing is known of any tissue.
-        let unknown = Tissue::new();
+        let unknown = Tissue::new(REST_C);
         let tissue = |wire: usize| self.heat.as_ref().and_then(|heat| heat.tissues.get(wire));
         let wires = 0..self.wires.len();
         let wires = wires.map(|wire| of(wire, tissue(wire).unwrap_or(&unknown)));
@@ -245,7 +245,7 @@ impl Guard {
         if let Some(heat) = &mut self.heat {
             heat.rest.raise(at, memory.face_k);
             for (tissue, wire) in heat.tissues.iter_mut().zip(&memory.wires) {
-                *tissue = Tissue::recalled(wire, at, memory.face_k);
+                *tissue = Tissue::recalled(&heat.budget.kernel, wire, at, memory.face_k);
                 let (predicted, _) = tissue.bears(&heat.budget, at, memory.face_k);
                 heat.predicted.raise(&predicted);
             }

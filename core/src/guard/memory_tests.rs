@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{HARD, Plant, Used};
+use crate::guard::{HARD, Plant, Used, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Stimulus;
 use crate::units::{Board, Channel, Milliamps, Point, Prescale, Ticks};
@@ -22,7 +22,7 @@ fn guard() -> Guard {
         peak: Milliamps(990),
         bus: Duration::ZERO,
     };
-    Guard::new(HARD, plant, &[wire(0), wire(1)]).unwrap()
+    Guard::new(HARD, plant, &[wire(0), wire(1)], WornWire::default()).unwrap()
 }
 
 const fn ms(ms: u64) -> Instant {
@@ -293,7 +293,7 @@ fn a_memory_of_other_wires_keeps_to_those_that_are_there() {
         board: Board(0),
         channel: Channel(channel),
     });
-    let mut plain = Guard::last_word(HARD, plant, &wires, false).unwrap();
+    let mut plain = Guard::last_word(HARD, plant, &wires, None).unwrap();
     plain.remember(&memory, Instant::ZERO).unwrap();
     let used = plain.used(Instant::ZERO);
     assert_eq!(

@@ -9,6 +9,7 @@ mod budget;
 mod current;
 mod decays;
 mod dose;
+mod kernel;
 mod lasting;
 mod limits;
 mod memory;
@@ -25,6 +26,7 @@ mod watchdog;
 pub use budget::WireBudget;
 pub use current::CurrentControl;
 pub use dose::Doses;
+pub use kernel::WornWire;
 pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use memory::{Memory, MemoryError, WireMemory};
@@ -172,6 +174,8 @@ pub struct Guard {
     fingertip: Bucket,
     /// The rows of heat and dose; `None` in a guard that is another one's last word.
     heat: Option<Box<Heat>>,
+    /// The wire of those rows.
+    worn: Option<WornWire>,
     /// A burst leaves a part of each budget that fills again.
     fades: bool,
     /// Amplifiers whose current is set; `None` for those that have one of their own.
@@ -185,19 +189,24 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// A guard over a display's wires. Limits looser than [`HARD`] are tightened to it.
+    /// A guard over a display's wires, each of them a `worn` one. Limits looser than [`HARD`] are tightened to it.
     ///
     /// # Errors
-    /// When the plant's figures are none a wire can have.
-    pub fn new(limits: Limits, plant: Plant, wires: &[DisplayWire]) -> Result<Self, PlantError> {
+    /// When the plant's figures are none a wire can have, or there are no rows of heat for such a wire or finger.
+    pub fn new(
+        limits: Limits,
+        plant: Plant,
+        wires: &[DisplayWire],
+        worn: WornWire,
+    ) -> Result<Self, PlantError> {
         Ok(Self {
             fades: true,
-            ..Self::last_word(limits, plant, wires, true)?
+            ..Self::last_word(limits, plant, wires, Some(worn))?
         })
     }
 
     /// The last word of a driver unit, behind a whole guard: what that passed, this one passes unchanged, since a burst may
-    /// take all that is left of a budget here. Without `heat` it has the integer rows alone, for a processor without
+    /// take all that is left of a budget here. Without a `worn` wire it has the integer rows alone, for a processor without
     /// floating point: pulse, burst, energy, power, supply, staleness and latch.
     ///
     /// # Errors
@@ -206,9 +215,10 @@ impl Guard {
         limits: Limits,
         plant: Plant,
         wires: &[DisplayWire],
-        heat: bool,
+        worn: Option<WornWire>,
     ) -> Result<Self, PlantError> {
         plant.check()?;
+        let kernel = worn.map(|worn| worn.kernel()).transpose()?;
         let limits = limits.tightened();
         // What is booked at an onset reaches as far beyond it.
         let reach = limits.burst + plant.latency() + plant.surplus();
@@ -231,7 +241,8 @@ impl Guard {
             plant,
             wires: wires.iter().map(state).collect(),
             fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
-            heat: heat.then(|| Box::new(Heat::new(&limits, wires.len()))),
+            heat: kernel.map(|kernel| Box::new(Heat::new(&limits, kernel, wires.len()))),
+            worn,
             fades: false,
             settable: None,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
@@ -263,6 +274,11 @@ impl Guard {
         self.heat
             .as_ref()
             .map_or(&Predicted::REST, |heat| &heat.predicted)
+    }
+
+    /// The wire and finger that its thermal rows are of; `None` without them.
+    pub const fn worn(&self) -> Option<WornWire> {
+        self.worn
     }
 
     /// Whether it has the thermal rows.

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{CurrentControl, HARD, Plant};
+use crate::guard::{CurrentControl, HARD, Plant, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Reason;
 use crate::units::{Channel, Duration, Milliamps, Point, Prescale, Ticks};
@@ -24,7 +24,7 @@ fn guard() -> Guard {
         channel: Channel(c % 4),
     };
     let wires: Vec<_> = (0..8).map(wire).collect();
-    Guard::new(HARD, THESIS, &wires).unwrap()
+    Guard::new(HARD, THESIS, &wires, WornWire::default()).unwrap()
 }
 
 fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {

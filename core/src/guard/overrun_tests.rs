@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{Cause, CurrentControl, HARD, Limits, Plant};
+use crate::guard::{Cause, CurrentControl, HARD, Limits, Plant, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Stimulus;
 use crate::units::{Board, Channel, Milliamps, Point, Prescale, Ticks};
@@ -34,7 +34,7 @@ fn guard_of(limits: Limits, prescale: Prescale) -> Guard {
         prescale,
         ..Plant::default()
     };
-    Guard::new(limits, plant, &wires).unwrap()
+    Guard::new(limits, plant, &wires, WornWire::default()).unwrap()
 }
 
 fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {

@@ -6,10 +6,13 @@ use proptest::prelude::*;
 
 use super::decays::{Decays, RATES, Stretch, dot};
 use super::dose::{Dose, Doses};
+use super::kernel::REST_C;
+use super::kernel::tests::budget;
+use super::kernel::tests::{DEEP, SHALLOW};
 use super::limits::{HARD, Limits};
-use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
-use super::thermal::{Booking, Budget, Predicted, Tissue};
-use super::{Guard, Plant, Running, Setting};
+use super::table::LATENT_K;
+use super::thermal::{Booking, Predicted, Tissue};
+use super::{Guard, Plant, Running, Setting, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::{Reason, stagger};
 use crate::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
@@ -67,8 +70,8 @@ impl Plain {
             rows.push((room, reason));
         }
         let mean_k = kelvin(self.limits.skin_mean_mc, LATENT_K[1]);
-        let so_far = stretch.integral(&self.energy, 0.0);
-        let burst = stretch.integral(&[0.0; 14], 1.0);
+        let so_far = stretch.integral(&SHALLOW, &self.energy, 0.0);
+        let burst = stretch.integral(&SHALLOW, &[0.0; 14], 1.0);
         for (n, past) in self.pasts(booking.until.as_micros()).iter().enumerate() {
             let spent = past + so_far + dot(&ahead(n), &old);
             let more = burst + dot(&ahead(n), &stretch.kept);
@@ -119,7 +122,7 @@ impl Plain {
             self.bins[bin] = 0.0;
         }
         let span = Instant::from_micros(until).since(Instant::from_micros(self.at));
-        self.bins[bin] += Stretch::new(span).integral(&self.energy, joules);
+        self.bins[bin] += Stretch::new(span).integral(&SHALLOW, &self.energy, joules);
         self.pass(until, joules);
     }
 
@@ -180,7 +183,7 @@ proptest! {
             dose_cem43_ms: cem43,
             ..HARD
         };
-        let (mut budget, mut tissue, mut plain) = (Budget::new(&limits), Tissue::new(), Plain::new(&limits));
+        let (mut budget, mut tissue, mut plain) = (budget(&limits), Tissue::new(REST_C), Plain::new(&limits));
         let mut at = 0;
         for (pause, length, part) in bursts {
             let from = at + pause;
@@ -209,7 +212,7 @@ proptest! {
         let wires: Vec<DisplayWire> = (0..10).map(place).collect();
         let plant = Plant { prescale: Prescale::MIN, wire_milliohm: 1900, peak: Milliamps(1000), bus: crate::units::Duration::ZERO };
         let limits = Limits { supply: Milliamps(supply), ..HARD };
-        let mut guard = Guard::new(limits, plant, &wires).unwrap();
+        let mut guard = Guard::new(limits, plant, &wires, WornWire::default()).unwrap();
         for (index, width, drive) in wishes {
             let was = guard.wires[index].now.take();
             if !drive {

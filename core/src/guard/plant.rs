@@ -1,5 +1,6 @@
 //! What the guard must know of the hardware it protects, and what its pulses deliver at worst.
 
+use super::kernel::WornWire;
 use crate::units::{Duration, Milliamps, Prescale, Ticks};
 
 /// The slowest internal oscillator seen on a real chip, Hz: it makes the longest pulses and the longest periods.
@@ -45,6 +46,27 @@ pub enum PlantError {
         "expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA"
     )]
     OutOfRange,
+    /// A wire that is thinner or thicker than the rows of heat know.
+    #[error(
+        "expected a wire of {} to {} um in diameter: the guard has rows of heat for no other",
+        WornWire::DIAMETER_NM.start() / 1000,
+        WornWire::DIAMETER_NM.end() / 1000
+    )]
+    Diameter,
+    /// A wire that is shorter or longer than the rows of heat know.
+    #[error(
+        "expected a wire of {} to {} mm in length: the guard has rows of heat for no other",
+        WornWire::LENGTH_UM.start() / 1000,
+        WornWire::LENGTH_UM.end() / 1000
+    )]
+    Length,
+    /// A finger that is colder or warmer than the rows of heat know.
+    #[error(
+        "expected a finger of {} to {} C at rest: the guard has rows of heat for no other",
+        WornWire::REST_MC.start() / 1000,
+        WornWire::REST_MC.end() / 1000
+    )]
+    Rest,
 }
 
 impl Plant {

@@ -5,7 +5,7 @@
 use crate::units::{Duration, Instant};
 
 use super::Guard;
-use super::table::REST_C;
+use super::kernel::REST_C;
 
 /// Length of a bin.
 const BIN: Duration = Duration::from_millis(1000);
@@ -52,9 +52,10 @@ impl Guard {
         let Some(heat) = &mut self.heat else {
             return REST_C;
         };
+        let rest_c = heat.budget.kernel.rest_c;
         let above = |c: f64| match c.is_nan() {
             true => f64::INFINITY,
-            false => (c - REST_C).max(0.0),
+            false => (c - rest_c).max(0.0),
         };
         heat.rest.raise(at, above(face_c));
         let face_k = heat.rest.k();
@@ -69,7 +70,7 @@ impl Guard {
             tissue.face_k = face_k;
             tissue.rest_k = face_k.max(above(wanted_c));
         }
-        REST_C + bears_k.max(0.0)
+        rest_c + bears_k.max(0.0)
     }
 }
 

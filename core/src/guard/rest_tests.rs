@@ -2,8 +2,8 @@
 
 use super::super::{Limits, Plant};
 use super::*;
-use crate::guard::HARD;
 use crate::guard::thermal::Tissue;
+use crate::guard::{HARD, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Stimulus;
 use crate::units::{Board, Channel, Milliamps, Point, Ticks};
@@ -16,7 +16,13 @@ fn guard() -> Guard {
         board: Board(0),
         channel: Channel(n),
     };
-    Guard::new(HARD, Plant::default(), &[wire(0), wire(1)]).unwrap()
+    Guard::new(
+        HARD,
+        Plant::default(),
+        &[wire(0), wire(1)],
+        WornWire::default(),
+    )
+    .unwrap()
 }
 
 fn at_ms(ms: u64) -> Instant {
@@ -165,7 +171,7 @@ fn a_guard_without_thermal_rows_bears_no_warm_face() {
         board: Board(0),
         channel: Channel(0),
     }];
-    let mut guard = Guard::last_word(HARD, Plant::default(), &wire, false).unwrap();
+    let mut guard = Guard::last_word(HARD, Plant::default(), &wire, None).unwrap();
     assert_eq!(guard.warm(Instant::ZERO, 38.0, 40.0), 33.0);
 }
 

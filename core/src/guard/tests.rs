@@ -23,7 +23,7 @@ fn wires(n: u8) -> Vec<DisplayWire> {
 }
 
 fn guard(limits: Limits, plant: Plant) -> Guard {
-    Guard::new(limits, plant, &wires(8)).unwrap()
+    Guard::new(limits, plant, &wires(8), WornWire::default()).unwrap()
 }
 
 fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {
@@ -287,7 +287,7 @@ fn unstaggered_wires_beyond_the_supply_are_refused() {
         supply: Milliamps(3000),
         ..HARD
     };
-    let mut guard = Guard::new(limits, THESIS, &pair).unwrap();
+    let mut guard = Guard::new(limits, THESIS, &pair, WornWire::default()).unwrap();
     let mut entries = Vec::new();
     guard.admit(
         Instant::ZERO,
@@ -307,7 +307,7 @@ fn unstaggered_wires_beyond_the_supply_are_refused() {
         (Ticks::ZERO, Some(Reason::SupplyCurrent))
     );
     // Staggered on one board, eight wires draw the current of one.
-    let mut guard = Guard::new(limits, THESIS, &wires(8)).unwrap();
+    let mut guard = Guard::new(limits, THESIS, &wires(8), WornWire::default()).unwrap();
     let all: Vec<Stimulus> = (0..8).map(|w| stimulus(w, 20, 0, 35_000)).collect();
     assert!(admit(&mut guard, &all).1.iter().all(|e| e.reason.is_none()));
 }
@@ -323,7 +323,7 @@ fn pulses_wide_enough_to_overlap_count_together() {
         supply: Milliamps(4000),
         ..HARD
     };
-    let mut guard = Guard::new(limits, plant, &wires(8)).unwrap();
+    let mut guard = Guard::new(limits, plant, &wires(8), WornWire::default()).unwrap();
     let asked: Vec<Stimulus> = (0..3).map(|w| stimulus(w, 600, 0, 1_000)).collect();
     let (_, entries) = admit(&mut guard, &asked);
     assert_eq!(entries[1].reason, None);
@@ -428,7 +428,7 @@ fn what_drives_nothing_is_ignored() {
 fn an_update_says_when_and_where_and_leaves_other_boards_alone() {
     let mut pair = wires(2);
     pair[1].board = Board(1);
-    let mut guard = Guard::new(HARD, THESIS, &pair).unwrap();
+    let mut guard = Guard::new(HARD, THESIS, &pair, WornWire::default()).unwrap();
     assert_eq!(*guard.limits(), HARD);
     assert_eq!(guard.predicted().peak_c, 33.0);
     let both = [stimulus(0, 50, 0, 35_000), stimulus(1, 50, 0, 35_000)];
@@ -493,7 +493,7 @@ fn implausible_plants_are_refused() {
         },
     ] {
         assert_eq!(
-            Guard::new(HARD, plant, &wires(1)).err(),
+            Guard::new(HARD, plant, &wires(1), WornWire::default()).err(),
             Some(PlantError::OutOfRange)
         );
     }

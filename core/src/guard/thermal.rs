@@ -1,7 +1,7 @@
 //! The thermal budget: what the skin under each wire will come to, from above over the whole parameter range.
 //!
-//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients stand in [`table`](super::table):
-//! nowhere below the response of the full model at any corner of the range, at that time or later. So what is
+//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients are the wire's [`Kernel`]: nowhere below
+//! the response of the full model at any corner of the range, at that time or later. So what is
 //! predicted at the end of a burst is also the most that can come after it. A wire's memory is one number a
 //! decay, the bins of its 10 s mean, and its dose.
 //!
@@ -14,11 +14,12 @@ use alloc::vec;
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
 
-use super::decays::{DECAYS, Decays, RATES, Stretch, Stretches, Sums, dot};
+use super::decays::{Decays, RATES, Stretch, Stretches, Sums, dot};
 use super::dose::{Dose, Doses};
+use super::kernel::{Kernel, REST_C};
 use super::limits::Limits;
 use super::rest::Rest;
-use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
+use super::table::{DECAYS, LATENT_K};
 use super::used::Used;
 
 /// Window of the mean.
@@ -45,11 +46,12 @@ pub(super) struct Heat {
 }
 
 impl Heat {
-    pub(super) fn new(limits: &Limits, wires: usize) -> Self {
+    pub(super) fn new(limits: &Limits, kernel: Kernel, wires: usize) -> Self {
+        let rest_c = kernel.rest_c;
         Self {
-            budget: Budget::new(limits),
-            tissues: vec![Tissue::new(); wires].into(),
-            predicted: Predicted::REST,
+            budget: Budget::new(limits, kernel),
+            tissues: vec![Tissue::new(rest_c); wires].into(),
+            predicted: Predicted::rest(rest_c),
             rest: Rest::default(),
         }
     }
@@ -58,6 +60,8 @@ impl Heat {
 /// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
+    /// What a joule does, and what tissue is without it.
+    pub(super) kernel: Kernel,
     pub(super) peak_k: f64,
     mean_k: f64,
     deep_k: f64,
@@ -125,14 +129,19 @@ pub struct Predicted {
 }
 
 impl Predicted {
-    /// Skin at rest, without any dose.
-    pub(super) const REST: Self = Self {
-        peak_c: REST_C,
-        mean_c: REST_C,
-        deep_c: REST_C,
-        omega: 0.0,
-        cem43_min: 0.0,
-    };
+    /// Skin at rest at 33 C, without any dose.
+    pub(super) const REST: Self = Self::rest(REST_C);
+
+    /// Skin at rest at some temperature, degrees C, without any dose.
+    pub(super) const fn rest(rest_c: f64) -> Self {
+        Self {
+            peak_c: rest_c,
+            mean_c: rest_c,
+            deep_c: rest_c,
+            omega: 0.0,
+            cem43_min: 0.0,
+        }
+    }
 
     /// Takes over what is higher.
     pub(super) fn raise(&mut self, other: &Self) {
@@ -155,8 +164,8 @@ struct Response {
 }
 
 impl Response {
-    fn new(stretch: &Stretch, sums: &Sums<{ 2 + LOOKS }>) -> Self {
-        let burst = stretch.integral(&Decays::default(), 1.0);
+    fn new(stretch: &Stretch, (kernel, sums): (&Kernel, &Sums<{ 2 + LOOKS }>)) -> Self {
+        let burst = stretch.integral(&kernel.shallow, &Decays::default(), 1.0);
         let felt = Felt::new(sums, &stretch.kept);
         Self {
             stretch: *stretch,
@@ -178,14 +187,16 @@ impl Felt {
 }
 
 impl Budget {
-    pub(super) fn new(limits: &Limits) -> Self {
-        let kelvin = |mc: u64, latent: f64| mc as f64 * 1e-3 - REST_C - latent;
+    pub(super) fn new(limits: &Limits, kernel: Kernel) -> Self {
+        let kelvin = |mc: u64, latent: f64| mc as f64 * 1e-3 - kernel.rest_c - latent;
         let integral = |bins: u64| {
             let seconds = (bins * BIN_US) as f64 * 1e-6;
-            core::array::from_fn(|k| SHALLOW[k] / RATES[k] * (1.0 - libm::exp(-RATES[k] * seconds)))
+            core::array::from_fn(|k| {
+                kernel.shallow[k] / RATES[k] * (1.0 - libm::exp(-RATES[k] * seconds))
+            })
         };
-        let mut rows = [SHALLOW; 2 + LOOKS];
-        rows[1] = DEEP;
+        let mut rows = [kernel.shallow; 2 + LOOKS];
+        rows[1] = kernel.deep;
         for (row, bins) in rows[2..].iter_mut().zip(AHEAD) {
             *row = integral(bins);
         }
@@ -199,7 +210,8 @@ impl Budget {
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
             ample: Doses::ample(limits.skin_peak_mc),
-            response: Response::new(stretches.of(Duration::ZERO), &felt),
+            response: Response::new(stretches.of(Duration::ZERO), (&kernel, &felt)),
+            kernel,
             felt,
             stretches,
         }
@@ -217,14 +229,14 @@ impl Budget {
 }
 
 impl Tissue {
-    /// Skin at rest at the start of the run.
-    pub(super) fn new() -> Self {
+    /// Skin at rest, degrees C, at the start of the run.
+    pub(super) fn new(rest_c: f64) -> Self {
         Self {
             at: Instant::ZERO,
             begun: Duration::ZERO,
             energy: [0.0; DECAYS],
             bins: [0.0; BINS],
-            dose: Dose::new(REST_C + LATENT_K[0]),
+            dose: Dose::new(rest_c + LATENT_K[0]),
             most_c: f64::INFINITY,
             face_k: 0.0,
             rest_k: 0.0,
@@ -245,10 +257,11 @@ impl Tissue {
     /// Electrical energy, J, that a booking may bring until a limit is met, and which: not more than zero if
     /// one is met without it.
     pub(super) fn room(&mut self, budget: &mut Budget, booking: Booking) -> (f64, Reason) {
-        self.relax(&mut budget.stretches, booking.from);
+        self.relax((&budget.kernel, &mut budget.stretches), booking.from);
         let span = booking.until.since(booking.from);
         if budget.response.stretch.span != span {
-            budget.response = Response::new(budget.stretches.of(span), &budget.felt);
+            let sums = (&budget.kernel, &budget.felt);
+            budget.response = Response::new(budget.stretches.of(span), sums);
         }
         let [first, others @ ..] = self.rooms(budget, &budget.response, booking);
         let least = |least: (f64, Reason), row: (f64, Reason)| {
@@ -260,12 +273,12 @@ impl Tissue {
     /// The same of every limit, and nothing changes.
     pub(super) fn each_room(&self, budget: &Budget, booking: Booking) -> [(f64, Reason); 4] {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        tissue.relax(&mut stretches, booking.from);
+        tissue.relax((&budget.kernel, &mut stretches), booking.from);
         let span = booking.until.since(booking.from);
         if budget.response.stretch.span == span {
             return tissue.rooms(budget, &budget.response, booking);
         }
-        let response = Response::new(stretches.of(span), &budget.felt);
+        let response = Response::new(stretches.of(span), (&budget.kernel, &budget.felt));
         tissue.rooms(budget, &response, booking)
     }
 
@@ -276,12 +289,15 @@ impl Tissue {
         let peak = (budget.peak_k - rest_k - old.shallow) / each.felt.shallow;
         let mut dose = f64::INFINITY;
         if !self.dose.leaves(&budget.dose, &budget.ample) {
-            let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0] - rest_k;
+            let rest_c = budget.kernel.rest_c;
+            let ceiling_k = self.dose.ceiling_c(&budget.dose) - rest_c - LATENT_K[0] - rest_k;
             dose = (ceiling_k - old.shallow) / each.felt.shallow;
         }
         let deep = (budget.deep_k - rest_k - old.deep) / each.felt.deep;
         let window_s = WINDOW.as_secs_f64();
-        let so_far = each.stretch.integral(&self.energy, 0.0);
+        let so_far = each
+            .stretch
+            .integral(&budget.kernel.shallow, &self.energy, 0.0);
         let pasts = self.pasts(booking.until);
         let mut mean = f64::INFINITY;
         for ((past, ahead), more) in pasts.iter().zip(&old.ahead).zip(&each.integrals) {
@@ -298,12 +314,13 @@ impl Tissue {
 
     /// Books energy, J, and returns the most that is predicted from now on if nothing more comes.
     pub(super) fn heat(&mut self, budget: &mut Budget, booking: Booking, joules: f64) -> Predicted {
-        self.relax(&mut budget.stretches, booking.from);
+        self.relax((&budget.kernel, &mut budget.stretches), booking.from);
         let all = booking.until.since(booking.from).as_secs_f64();
         while self.at < booking.until {
             let until = booking.until.min(self.bin_end());
             let part = until.since(self.at).as_secs_f64() / all;
-            self.step(&mut budget.stretches, until, joules * part);
+            let known = (&budget.kernel, &mut budget.stretches);
+            self.step(known, until, joules * part);
         }
         self.to_come(budget)
     }
@@ -314,7 +331,7 @@ impl Tissue {
         let means = self.pasts(self.at).into_iter().zip(felt.ahead);
         let most = means.map(|(past, ahead)| past + ahead);
         let mean_k = most.fold(0.0, f64::max) / WINDOW.as_secs_f64();
-        let rest_c = REST_C + self.face_k;
+        let rest_c = budget.kernel.rest_c + self.face_k;
         Predicted {
             peak_c: rest_c + LATENT_K[0] + felt.shallow,
             mean_c: rest_c + LATENT_K[1] + mean_k,
@@ -328,10 +345,11 @@ impl Tissue {
     /// so that what is booked keeps to the limits.
     pub(super) fn bears(&self, budget: &Budget, now: Instant, face_k: f64) -> (Predicted, f64) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        tissue.relax(&mut stretches, now + self.begun);
+        tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
         tissue.face_k = face_k;
         let predicted = tissue.to_come(budget);
-        let above = |c: f64, latent_k: f64| c - REST_C - latent_k - face_k;
+        let rest_c = budget.kernel.rest_c;
+        let above = |c: f64, latent_k: f64| c - rest_c - latent_k - face_k;
         let left = (budget.peak_k - above(predicted.peak_c, LATENT_K[0]))
             .min(budget.deep_k - above(predicted.deep_c, LATENT_K[2]))
             .min(budget.mean_k - above(predicted.mean_c, LATENT_K[1]));
@@ -341,12 +359,13 @@ impl Tissue {
     /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
     pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        tissue.relax(&mut stretches, now + self.begun);
+        tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
         let rest_k = self.face_k;
         let mean_k = rest_k + tissue.pasts(tissue.at)[0] / WINDOW.as_secs_f64();
         let raise = |row: &mut f64, part: f64, limit: f64| *row = row.max(part / limit);
         raise(&mut used.skin_mean, mean_k, budget.mean_k);
-        let (shallow_k, deep_k) = (dot(&SHALLOW, &tissue.energy), dot(&DEEP, &tissue.energy));
+        let [shallow_k, deep_k] =
+            [&budget.kernel.shallow, &budget.kernel.deep].map(|row| dot(row, &tissue.energy));
         raise(&mut used.skin_peak, rest_k + shallow_k, budget.peak_k);
         raise(&mut used.skin_deep, rest_k + deep_k, budget.deep_k);
         raise(&mut used.omega, tissue.dose.omega, budget.dose.omega);
@@ -359,45 +378,51 @@ impl Tissue {
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
     /// there the steps grow. What bins held then is shifted out by as many bins as are kept.
-    pub(super) fn relax(&mut self, stretches: &mut Stretches, to: Instant) {
+    pub(super) fn relax(&mut self, (kernel, stretches): (&Kernel, &mut Stretches), to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
         while self.at < recent {
             let until = recent.min(self.at + Duration::from_micros(stride));
             let stretch = Stretch::new(until.since(self.at));
-            self.pass(&stretch, until, 0.0);
+            self.pass((kernel, &stretch), until, 0.0);
             stride = stride.saturating_mul(2);
         }
         while self.at < to {
-            self.step(stretches, to.min(self.bin_end()), 0.0);
+            self.step((kernel, stretches), to.min(self.bin_end()), 0.0);
         }
     }
 
     /// A stretch within one bin.
-    fn step(&mut self, stretches: &mut Stretches, until: Instant, joules: f64) {
+    fn step(
+        &mut self,
+        (kernel, stretches): (&Kernel, &mut Stretches),
+        until: Instant,
+        joules: f64,
+    ) {
         let stretch = stretches.of(until.since(self.at));
         if self.at.as_micros().is_multiple_of(BIN_US) {
             self.bins.copy_within(..BINS - 1, 1);
             self.bins[0] = 0.0;
         }
-        self.bins[0] += stretch.integral(&self.energy, joules);
-        self.pass(stretch, until, joules);
+        self.bins[0] += stretch.integral(&kernel.shallow, &self.energy, joules);
+        self.pass((kernel, stretch), until, joules);
     }
 
-    fn pass(&mut self, stretch: &Stretch, until: Instant, joules: f64) {
+    fn pass(&mut self, (kernel, stretch): (&Kernel, &Stretch), until: Instant, joules: f64) {
         self.energy = stretch.end(&self.energy, joules);
         self.at = until;
         if joules > 0.0 {
             self.most_c = f64::INFINITY;
-            self.dose.heat(self.shallow_c(), stretch.seconds);
+            self.dose.heat(self.shallow_c(kernel), stretch.seconds);
         } else {
-            self.dose.relax(self.shallow_c(), stretch.seconds);
+            self.dose.relax(self.shallow_c(kernel), stretch.seconds);
         }
     }
 
     /// Skin 0.1 mm deep, degrees C, where it is booked until.
-    pub(super) fn shallow_c(&self) -> f64 {
-        let shallow_c = REST_C + self.face_k + LATENT_K[0] + dot(&SHALLOW, &self.energy);
+    pub(super) fn shallow_c(&self, kernel: &Kernel) -> f64 {
+        let warmth_k = dot(&kernel.shallow, &self.energy);
+        let shallow_c = kernel.rest_c + self.face_k + LATENT_K[0] + warmth_k;
         shallow_c.min(self.most_c)
     }
 

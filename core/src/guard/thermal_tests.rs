@@ -3,9 +3,11 @@
 use alloc::vec::Vec;
 
 use super::decays::{RATES, dot};
+use super::kernel::REST_C;
+use super::kernel::tests::{DEEP, SHALLOW, budget as final_budget};
 use super::limits::{HARD, Limits};
 use super::table;
-use super::thermal::{Booking, Budget, Predicted, Tissue};
+use super::thermal::{Booking, Predicted, Tissue};
 use crate::random::RandomStream;
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
@@ -42,7 +44,7 @@ impl History {
         let mut sum = 0.0;
         for &(from, until, joules) in &self.0 {
             let length = (until - from) as f64 * 1e-6;
-            for (k, c) in table::SHALLOW.iter().enumerate() {
+            for (k, c) in SHALLOW.iter().enumerate() {
                 let rate = table::SLOWEST * libm::exp2(k as f64);
                 let mean = -libm::expm1(-rate * length) / (rate * length);
                 // Heat given off from its booking to the end of time, less what is still to come.
@@ -69,8 +71,8 @@ fn booking(from: u64, until: u64) -> Booking {
 
 #[test]
 fn predictions_are_sums_over_history() {
-    let mut budget = Budget::new(&HARD);
-    let (mut tissue, mut history, mut at) = (Tissue::new(), History::default(), 0);
+    let mut budget = final_budget(&HARD);
+    let (mut tissue, mut history, mut at) = (Tissue::new(REST_C), History::default(), 0);
     let mut s = RandomStream::new(1, "bookings");
     for round in 0..300 {
         // Pauses within a bin, over bins, over the window; ends on bins' edges too.
@@ -87,18 +89,18 @@ fn predictions_are_sums_over_history() {
         at = until;
         close(
             predicted.peak_c,
-            33.0 + table::LATENT_K[0] + history.now(&table::SHALLOW, at),
+            33.0 + table::LATENT_K[0] + history.now(&SHALLOW, at),
         );
         close(
             predicted.deep_c,
-            33.0 + table::LATENT_K[2] + history.now(&table::DEEP, at),
+            33.0 + table::LATENT_K[2] + history.now(&DEEP, at),
         );
     }
 }
 
 #[test]
 fn the_mean_is_the_windows_and_what_is_to_come() {
-    let mut budget = Budget::new(&HARD);
+    let mut budget = final_budget(&HARD);
     for (bursts, pause) in [
         (1, 0),
         (3, 2_000_000),
@@ -106,7 +108,7 @@ fn the_mean_is_the_windows_and_what_is_to_come() {
         (12, 4_000_000),
         (3, 40_000_000),
     ] {
-        let (mut tissue, mut history) = (Tissue::new(), History::default());
+        let (mut tissue, mut history) = (Tissue::new(REST_C), History::default());
         let (mut at, mut predicted) = (0, Predicted::REST);
         for _ in 0..bursts {
             let from = at + pause;
@@ -162,8 +164,8 @@ fn the_room_leads_exactly_to_the_limit() {
         ),
     ];
     for (limits, reason) in cases {
-        let mut budget = Budget::new(&limits);
-        let mut tissue = Tissue::new();
+        let mut budget = final_budget(&limits);
+        let mut tissue = Tissue::new(REST_C);
         for (from, until) in [
             (10_000, 52_000),
             (300_000, 342_000),
@@ -194,8 +196,8 @@ fn a_spent_dose_lowers_the_ceiling() {
         dose_cem43_ms: 10,
         ..HARD
     };
-    let mut budget = Budget::new(&limits);
-    let mut tissue = Tissue::new();
+    let mut budget = final_budget(&limits);
+    let mut tissue = Tissue::new(REST_C);
     let (room, cause) = tissue.room(&mut budget, booking(0, 42_000));
     assert_eq!(cause, Reason::Dose);
     let reached = tissue.heat(&mut budget, booking(0, 42_000), room);
@@ -206,15 +208,15 @@ fn a_spent_dose_lowers_the_ceiling() {
         dose_omega_ppm: 1,
         ..HARD
     };
-    let mut budget = Budget::new(&omega);
-    let mut tissue = Tissue::new();
+    let mut budget = final_budget(&omega);
+    let mut tissue = Tissue::new(REST_C);
     assert_eq!(tissue.room(&mut budget, booking(0, 42_000)).1, Reason::Dose);
 }
 
 #[test]
 fn dose_adds_up_while_skin_cools() {
-    let mut budget = Budget::new(&HARD);
-    let mut tissue = Tissue::new();
+    let mut budget = final_budget(&HARD);
+    let mut tissue = Tissue::new(REST_C);
     tissue.heat(&mut budget, booking(0, 42_000), 15e-3);
     let short = tissue
         .clone()
@@ -224,9 +226,9 @@ fn dose_adds_up_while_skin_cools() {
         .heat(&mut budget, booking(60_000_000, 60_000_001), 0.0);
     assert!(long.omega > short.omega && long.cem43_min > short.cem43_min);
     // Rest alone: 2^-20 of a minute a minute, and a little for the latent allowance.
-    let mut rest = Tissue::new();
+    let mut rest = Tissue::new(REST_C);
     let hour = rest.heat(&mut budget, booking(3_600_000_000, 3_600_000_001), 0.0);
-    let expected = 60.0 * libm::exp2(2.0 * (table::REST_C + table::LATENT_K[0] - 43.0));
+    let expected = 60.0 * libm::exp2(2.0 * (REST_C + table::LATENT_K[0] - 43.0));
     assert!(
         (hour.cem43_min / expected - 1.0).abs() < 1e-6,
         "{}",
@@ -236,9 +238,9 @@ fn dose_adds_up_while_skin_cools() {
 
 #[test]
 fn heat_is_booked_late_and_never_before_what_is_booked() {
-    let mut budget = Budget::new(&HARD);
+    let mut budget = final_budget(&HARD);
     let latency = Duration::from_micros(12_000);
-    let mut tissue = Tissue::new();
+    let mut tissue = Tissue::new(REST_C);
     assert_eq!(
         tissue.booking(us(1_000), us(42_000), latency),
         booking(13_000, 54_000)
@@ -260,9 +262,9 @@ fn heat_is_booked_late_and_never_before_what_is_booked() {
 
 #[test]
 fn a_run_after_others_goes_on_where_they_ended() {
-    let mut budget = Budget::new(&HARD);
+    let mut budget = final_budget(&HARD);
     let (began_us, latency) = (7_000_000, Duration::from_micros(12_000));
-    let mut whole = Tissue::new();
+    let mut whole = Tissue::new(REST_C);
     whole.heat(&mut budget, booking(0, 54_000), 1e-3);
     let mut next = whole.clone();
     next.begun = Duration::from_micros(began_us);
@@ -303,8 +305,8 @@ fn the_most_of_two_predictions_is_taken_row_by_row() {
 
 #[test]
 fn the_end_of_time_is_no_trap() {
-    let mut budget = Budget::new(&HARD);
-    let mut tissue = Tissue::new();
+    let mut budget = final_budget(&HARD);
+    let mut tissue = Tissue::new(REST_C);
     let end = tissue.booking(
         Instant::FAR_FUTURE,
         Instant::FAR_FUTURE,
@@ -318,7 +320,7 @@ fn the_end_of_time_is_no_trap() {
 /// (tau = depth squared over diffusivity: 0.1 s at 0.1 mm, seconds at 0.4 mm).
 #[test]
 fn a_joules_warmth_never_rises_and_hardly_falls_at_first() {
-    for (row, early_s) in [(table::SHALLOW, 0.1), (table::DEEP, 1.0)] {
+    for (row, early_s) in [(SHALLOW, 0.1), (DEEP, 1.0)] {
         let warmth = |seconds: f64| {
             let left = RATES.map(|rate| libm::exp(-rate * seconds));
             dot(&row, &left)
@@ -349,19 +351,19 @@ fn of_limits_that_leave_the_same_the_first_is_the_reason() {
         from: us(0),
         until: us(35_000),
     };
-    let (_, reason) = Tissue::new().room(&mut Budget::new(&limits), booking);
+    let (_, reason) = Tissue::new(REST_C).room(&mut final_budget(&limits), booking);
     assert_eq!(reason, Reason::SkinPeak);
     let limits = Limits {
         dose_cem43_ms: 59_999,
         ..HARD
     };
-    let (_, reason) = Tissue::new().room(&mut Budget::new(&limits), booking);
+    let (_, reason) = Tissue::new(REST_C).room(&mut final_budget(&limits), booking);
     assert_eq!(reason, Reason::Dose);
 }
 
 #[test]
 fn power_that_flows_evenly_keeps_to_the_mean_at_either_depth() {
-    let budget = Budget::new(&HARD);
+    let budget = final_budget(&HARD);
     // Of 41 C: a watt that warms by so many K leaves so much, by the depth that warms most.
     let (at_first, at_rest) = (budget.even_w(8.0, 1e-9), budget.even_w(1e-9, 8.0));
     close(budget.even_w(8.0, 4.0), at_first);
@@ -386,8 +388,8 @@ fn a_face_may_come_as_far_as_the_row_that_binds_first() {
             skin_deep_mc: limits.2,
             ..HARD
         };
-        let mut budget = Budget::new(&limits);
-        let mut tissue = Tissue::new();
+        let mut budget = final_budget(&limits);
+        let mut tissue = Tissue::new(REST_C);
         tissue.heat(&mut budget, booking(0, 40_000), 1e-3);
         for face_k in [0.0, 1.0, 2.5] {
             let (predicted, left_k) = tissue.bears(&budget, us(45_000), face_k);

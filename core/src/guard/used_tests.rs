@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{HARD, Plant};
+use crate::guard::{HARD, Plant, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::Stimulus;
 use crate::units::{Board, Channel, Duration, Milliamps, Point, Prescale, Ticks};
@@ -27,7 +27,7 @@ fn guard(heat: bool) -> Guard {
         supply: Milliamps(4000),
         ..HARD
     };
-    Guard::last_word(limits, plant, &wires, heat).unwrap()
+    Guard::last_word(limits, plant, &wires, heat.then(WornWire::default)).unwrap()
 }
 
 fn drive(guard: &mut Guard, wire: u16, width: u16, at_us: u64, length_us: u64) {

@@ -19,6 +19,8 @@ pub enum Cause {
     LateTick,
     /// The run ended.
     End,
+    /// The reference of the skin is taken anew.
+    Rezero,
     /// A wire was on for longer than a burst may be, because it went off too late.
     Overrun,
 }
@@ -32,6 +34,7 @@ impl Cause {
             Self::SensorError => "sensor-error",
             Self::LateTick => "late-tick",
             Self::End => "end",
+            Self::Rezero => "rezero",
             Self::Overrun => "overrun",
         }
     }

@@ -99,6 +99,7 @@ fn causes_have_their_words() {
         (Cause::ActuatorError, "actuator-error"),
         (Cause::SensorError, "sensor-error"),
         (Cause::LateTick, "late-tick"),
+        (Cause::Rezero, "rezero"),
         (Cause::End, "end"),
         (Cause::Overrun, "overrun"),
     ];

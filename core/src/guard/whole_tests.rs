@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::plain_tests::Plain;
 use super::power::{Bucket, Window};
 use super::thermal::{Booking, Predicted};
-use super::{Guard, HARD, Limits, Plant};
+use super::{Guard, HARD, Limits, Plant, WornWire};
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Reason, Stimulus};
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Point, Prescale, Ticks};
@@ -309,7 +309,7 @@ proptest! {
         milliamps in 400..=1970u32,
         acts in prop::collection::vec((when(), act()), 1..50),
     ) {
-        let mut guard = Guard::new(limits, plant(milliamps), &wires()).unwrap();
+        let mut guard = Guard::new(limits, plant(milliamps), &wires(), WornWire::default()).unwrap();
         let mut plain = PlainGuard::new(limits, plant(milliamps));
         let mut now = 0;
         for (pause, act) in acts {

@@ -3,34 +3,23 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
+use crate::listed::listed;
 use crate::units::{Duration, Point};
 
 use super::law::Illusion;
 
-/// Rule by which contacts share wires. By every rule a wire stays within [0, 1], and the energy of all wires within the
-/// sum of what each contact alone would have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sharing {
-    /// A wire follows the contact that asks most of it.
-    #[default]
-    Strongest,
-    /// A wire's energies add up, to full drive at most.
-    Sum,
-    /// Onset after onset, one contact after the other.
-    Slices,
-}
-
-impl Sharing {
-    /// Every rule.
-    pub const ALL: [Self; 3] = [Self::Strongest, Self::Sum, Self::Slices];
-
-    /// Name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Strongest => "strongest",
-            Self::Sum => "sum",
-            Self::Slices => "slices",
-        }
+listed! {
+    /// How contacts share wires. Whatever the rule, a wire stays within [0, 1] and the energy of all wires
+    /// within the sum of what each contact alone would have.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Sharing: name {
+        /// A wire follows the contact that asks most of it.
+        #[default]
+        Strongest = "strongest",
+        /// A wire's energies add up, to full drive at most.
+        Sum = "sum",
+        /// Onset after onset, one contact after the other.
+        Slices = "slices",
     }
 }
 

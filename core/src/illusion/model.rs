@@ -2,6 +2,8 @@
 
 use alloc::boxed::Box;
 
+use crate::listed::listed;
+
 use super::cells::Cells;
 use super::display::Display;
 use super::inverse::Inverse;
@@ -11,59 +13,33 @@ use super::reach::{Gaussian, Metric, Nearest, ThreeNearest};
 use super::shares::{AxisShares, CellShares, Power};
 use super::surface::Surface;
 
-/// The laws by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum IllusionModel {
-    /// The thesis's (5.2), logarithmic.
-    Phantom,
-    /// Square roots of shares: the energy centroid is the contact (Israr and Poupyrev 2011).
-    Energy,
-    /// Shares: the amplitude centroid is the contact.
-    Linear,
-    /// Squares of shares: gentle on both sides of a wire, weak between.
-    Square,
-    /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
-    Balanced,
-    /// Both centroids are felt at the contact, by amplitudes and numbers of pulses within what heat allows.
-    #[default]
-    Inverse,
-    /// Three nearest wires by inverse distance (Park 2016).
-    ThreeNearest,
-    /// A bell around each wire.
-    Gaussian,
-    /// The nearest wire alone: recognised best, not smooth (Tang and McMahan 2019).
-    Nearest,
+listed! {
+    /// The laws by name.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum IllusionModel: name {
+        /// The thesis's (5.2), logarithmic.
+        Phantom = "phantom",
+        /// Square roots of shares: the energy centroid is the contact (Israr and Poupyrev 2011).
+        Energy = "energy",
+        /// Shares: the amplitude centroid is the contact.
+        Linear = "linear",
+        /// Squares of shares: gentle on both sides of a wire, weak between.
+        Square = "square",
+        /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
+        Balanced = "balanced",
+        /// What both centroids feel at the contact, by amplitudes and numbers of pulses within what heat allows.
+        #[default]
+        Inverse = "inverse",
+        /// Three nearest wires by inverse distance (Park 2016).
+        ThreeNearest = "three-nearest",
+        /// A bell around each wire.
+        Gaussian = "gaussian",
+        /// The nearest wire alone: recognised best, not smooth (Tang and McMahan 2019).
+        Nearest = "nearest",
+    }
 }
 
 impl IllusionModel {
-    /// Every model, in the order of the lists.
-    pub const ALL: [Self; 9] = [
-        Self::Phantom,
-        Self::Energy,
-        Self::Linear,
-        Self::Square,
-        Self::Balanced,
-        Self::Inverse,
-        Self::ThreeNearest,
-        Self::Gaussian,
-        Self::Nearest,
-    ];
-
-    /// Name in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Phantom => "phantom",
-            Self::Energy => "energy",
-            Self::Linear => "linear",
-            Self::Square => "square",
-            Self::Balanced => "balanced",
-            Self::Inverse => "inverse",
-            Self::ThreeNearest => "three-nearest",
-            Self::Gaussian => "gaussian",
-            Self::Nearest => "nearest",
-        }
-    }
-
     /// The shape where none is stated: s of (5.2), the balanced law's exponent, the bell's width as a
     /// share of the gap (0.6 makes midpoints flat). The other laws have none.
     pub const fn shape(self) -> Option<f32> {

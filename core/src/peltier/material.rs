@@ -4,36 +4,27 @@
 //! e = sqrt(k rho c) of each (Carslaw and Jaeger, *Conduction of Heat in Solids*, 2nd edition, 2.15). The face then
 //! holds it. A real finger warms what it touches over seconds; that is left out.
 
+use crate::listed::listed;
+
 /// Effusivity of skin, J/(m2 K sqrt s): k 0.37 W/mK, 1000 kg/m3, 3770 J/kgK.
 const SKIN_EFFUSIVITY: f64 = 1181.0;
 
-/// A material that is touched, by the properties of its kind in handbooks at 25 degrees C.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Material {
-    /// Aluminium: 237 W/mK, 2700 kg/m3, 900 J/kgK.
-    Metal,
-    /// Soda-lime glass: 1.0 W/mK, 2500 kg/m3, 750 J/kgK.
-    Glass,
-    /// Pine across its grain: 0.12 W/mK, 510 kg/m3, 1380 J/kgK.
-    Wood,
-    /// Woven cotton: 0.06 W/mK, 300 kg/m3, 1300 J/kgK.
-    Cloth,
+listed! {
+    /// A material that is touched, by the properties of its kind in handbooks at 25 degrees C.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Material: name {
+        /// Aluminium: 237 W/mK, 2700 kg/m3, 900 J/kgK.
+        Metal = "metal",
+        /// Soda-lime glass: 1.0 W/mK, 2500 kg/m3, 750 J/kgK.
+        Glass = "glass",
+        /// Pine across its grain: 0.12 W/mK, 510 kg/m3, 1380 J/kgK.
+        Wood = "wood",
+        /// Woven cotton: 0.06 W/mK, 300 kg/m3, 1300 J/kgK.
+        Cloth = "cloth",
+    }
 }
 
 impl Material {
-    /// Every material.
-    pub const ALL: [Self; 4] = [Self::Metal, Self::Glass, Self::Wood, Self::Cloth];
-
-    /// Name in a scene.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Metal => "metal",
-            Self::Glass => "glass",
-            Self::Wood => "wood",
-            Self::Cloth => "cloth",
-        }
-    }
-
     /// Conductivity, W/mK, density, kg/m3, and specific heat, J/kgK.
     const fn properties(self) -> [f64; 3] {
         match self {

@@ -6,11 +6,19 @@
 //! degrees Celsius.
 
 mod bow;
+mod curve;
+mod history;
+mod law;
 mod peltier;
+mod phases;
 mod play;
 
 pub use bow::{Bow, DEEPEST, Ends, Mount};
+pub use curve::{BEND_M, Curve, Piece, TIGHTEST};
+pub use history::{History, WireState};
+pub use law::{Law, SHARES};
 pub use peltier::{PeltierParameters, Thermistor};
+pub use phases::{Line, Phases};
 pub use play::{MOST_BESIDE, Play};
 
 /// Zero of the Celsius scale, in kelvin.
@@ -112,6 +120,9 @@ impl Mechanics {
     };
 }
 
+/// Power of the diameter with which a wire's heat transfer to still air goes: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
+pub const AIR_POWER: f64 = 3.0 * 0.058 - 1.0;
+
 /// One shape-memory wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WireParameters {
@@ -158,6 +169,9 @@ pub struct WireParameters {
     pub mechanics: Mechanics,
     /// How it sits on the finger.
     pub mount: Mount,
+    /// What it went through, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
+    /// parallel at a constant stress ([`Self::plays`]).
+    pub history: Option<History>,
 }
 
 impl WireParameters {
@@ -184,6 +198,7 @@ impl WireParameters {
         beside: [None; MOST_BESIDE],
         mechanics: Mechanics::DEFAULT,
         mount: Mount::DEFAULT,
+        history: None,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
@@ -210,7 +225,7 @@ impl WireParameters {
         }
     }
 
-    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa.
+    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a history.
     #[must_use]
     pub const fn taut(self) -> Self {
         Self {
@@ -221,6 +236,7 @@ impl WireParameters {
                 transformation_strain: Mechanics::DEFAULT.transformation_strain,
                 ..self.mechanics
             },
+            history: None,
             ..self
         }
     }
@@ -292,6 +308,7 @@ impl WireParameters {
         finite("mechanics.expansion_martensite", m.expansion_martensite)?;
         finite("mechanics.rest_c", m.rest_c)?;
         self.mount.check(self.length_m)?;
+        self.check_history()?;
         self.plays().map(drop)
     }
 }

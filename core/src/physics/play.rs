@@ -78,7 +78,7 @@ impl Alloy {
     }
 
     /// One band for both ways: as wide as both are on the average, about the middle of the hysteresis.
-    fn reversible(&self) -> Self {
+    pub(super) fn reversible(&self) -> Self {
         let top = (self.austenite_finish_c + self.martensite_start_c) / 2.0;
         let bottom = (self.austenite_start_c + self.martensite_finish_c) / 2.0;
         Self {

@@ -3,7 +3,7 @@
 use alloc::boxed::Box;
 
 use crate::contact::{Scope, Settings};
-use crate::guard::{Guard, HARD, Limits, Plant};
+use crate::guard::{Guard, HARD, Limits, Plant, WornWire};
 use crate::illusion::{
     Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
     Sharing, build, inverse,
@@ -24,6 +24,12 @@ const LOOSE_8MM: Plant = Plant {
     peak: Milliamps(1970),
     bus: Duration::ZERO,
 };
+/// Its wires on a finger of 33 C, for the guard's rows of heat.
+const WORN_8MM: WornWire = WornWire {
+    diameter_nm: 75_000,
+    length_um: 8_000,
+    rest_mc: 33_000,
+};
 
 /// Settings from which an [`Output`] is built.
 #[derive(Debug)]
@@ -31,6 +37,7 @@ const LOOSE_8MM: Plant = Plant {
 pub struct OutputBuilder {
     display: Display,
     plant: Option<Plant>,
+    worn: Option<WornWire>,
     limits: Limits,
     response: Option<Response>,
     style: Style,
@@ -47,6 +54,7 @@ impl From<Display> for OutputBuilder {
         Self {
             display,
             plant: None,
+            worn: None,
             limits: HARD,
             response: None,
             style: Style::default(),
@@ -72,6 +80,13 @@ impl OutputBuilder {
     /// these are wires of 2.586 Ohm at 1.97 A, and PRE_SCALE 92.
     pub const fn plant(mut self, plant: Plant) -> Self {
         self.plant = Some(plant);
+        self
+    }
+
+    /// Wire and finger, for the guard's rows of heat. Unless stated these are wires of 75 um and 8 mm on a finger of 33 C, or
+    /// for a stated plant wires of 5 mm, which warm the finger more.
+    pub const fn worn(mut self, worn: WornWire) -> Self {
+        self.worn = Some(worn);
         self
     }
 
@@ -139,7 +154,11 @@ impl OutputBuilder {
     fn parts(self) -> Result<(Display, OutputSettings, Guard), PlanError> {
         let display = self.display;
         let plant = self.plant.unwrap_or(LOOSE_8MM);
-        let guard = Guard::new(self.limits, plant, display.wires())?;
+        let worn = self.worn.unwrap_or(match self.plant {
+            Some(_) => WornWire::default(),
+            None => WORN_8MM,
+        });
+        let guard = Guard::new(self.limits, plant, display.wires(), worn)?;
         let even = || Calibration::even(display.wires().len());
         let calibration = self.calibration.unwrap_or_else(even);
         let (illusion, timing, render) = match self.published {

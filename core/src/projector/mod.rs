@@ -140,6 +140,22 @@ pub enum LoopError<S, A> {
     Actuator(A),
 }
 
+/// What went otherwise than asked when the reference was to be taken anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RezeroError<A> {
+    /// Something is in contact, or seems to be.
+    #[error(
+        "expected a skin that nothing touches, found a contact; lift the touch, or force it where there is none"
+    )]
+    Touched,
+    /// The driver did not switch everything off.
+    #[error("actuators: {0}")]
+    Actuator(A),
+    /// Everything stays off for another cause.
+    #[error("everything stays off: {0}")]
+    Off(Cause),
+}
+
 /// The loop and all its memory.
 #[derive(Debug)]
 pub struct Projector {
@@ -300,7 +316,37 @@ impl Projector {
         self.output.reset(now, actuators, observer)
     }
 
-    /// Settles that everything is off since `at`, as [`Output::settle`] does.
+    /// Takes the reference of the whole skin anew from the next scans on, which are to be of a skin at rest. Stimuli stop
+    /// first, with [`Cause::Rezero`]; none follows until there is a reference again. Refused while anything is in contact,
+    /// unless `forced`.
+    ///
+    /// # Errors
+    /// [`RezeroError::Touched`], and then nothing has changed. After any other error the reference is taken anew, and
+    /// everything stays off until [`Self::reset`].
+    pub fn rezero<A: Actuators + ?Sized>(
+        &mut self,
+        now: Instant,
+        forced: bool,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), RezeroError<A::Error>> {
+        if self.sensing.is_touched() && !forced {
+            return Err(RezeroError::Touched);
+        }
+        let stopped = self.guard().latched();
+        let off = self.all_off(now, Cause::Rezero, actuators, observer);
+        self.sensing.rezero();
+        off.map_err(RezeroError::Actuator)?;
+        match stopped {
+            // Another cause keeps everything off.
+            Some(_) => Ok(()),
+            None => self
+                .reset(now, actuators, observer)
+                .map_err(RezeroError::Off),
+        }
+    }
+
+    /// As [`Output::settle`].
     pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
         self.output.settle(at, observer)
     }
@@ -388,9 +434,9 @@ impl Projector {
         self.output.guard()
     }
 
-    /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.
+    /// Health of the skin up to `now`; a taxel counts by the worst that was found of it. Sorts, so it belongs after the loop, not in it.
     pub fn health(&mut self, now: Instant) -> HealthSummary {
-        self.sensing.monitor_mut().summary(now)
+        self.sensing.health(now)
     }
 
     /// Layout of the skin.

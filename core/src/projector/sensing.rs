@@ -2,13 +2,8 @@
 //!
 //! A frame is a scan of the driving module; the other modules contribute their newest readings.
 
-use alloc::boxed::Box;
-use core::ops::Range;
-
 use crate::contact::{Compressor, Contact, Scope};
-use crate::skin::{
-    Baseline, BaselinePhase, Condition, Layout, ModuleScan, Monitor, RelativeFrame, Scan, ScanError,
-};
+use crate::skin::{Baseline, HealthSummary, Layout, ModuleScan, Monitor, Scan, ScanError, Sense};
 use crate::texture::Control;
 use crate::units::{Duration, Instant};
 
@@ -21,17 +16,9 @@ const ROUND: Duration = Duration::from_millis(100);
 /// Everything behind the scan, so that it can be handed on while it is borrowed.
 #[derive(Debug)]
 struct Pipeline {
-    baseline: Baseline,
-    relative: RelativeFrame,
+    sense: Sense,
     compressor: Compressor,
-    monitor: Monitor,
     texture: Option<Sampler>,
-    /// `true` where `relative` leaves out what the baseline found faulty.
-    masked: bool,
-    /// Each taxel's condition as it was last reported.
-    conditions: Box<[Condition]>,
-    /// Modules of which [`Self::is_used_whole`] holds as long as nothing that it looks at changes.
-    used_whole: Box<[bool]>,
     drives: u16,
     frames: u32,
     /// Time of the newest frame that was compressed.
@@ -53,124 +40,35 @@ pub(super) struct Sensing {
 
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
-        self.watch_for_new_board(usize::from(module), layout);
-        let well = self.monitor.observe_module(scan, usize::from(module));
-        if !(well && self.is_used_whole(usize::from(module), layout)) {
-            self.examine(scan.at(), usize::from(module), layout, observer);
-        }
+        let at = scan.at();
+        let report = &mut |i, condition| observer.taxel(at, i, condition);
+        self.sense.watch(scan, usize::from(module), layout, report);
         if let Some(texture) = &mut self.texture {
             // As the last frame has it: a scan's own touch is known one frame later.
-            let touched = !self.relative.contacts_of(usize::from(module)).is_empty();
-            texture.scan(scan, (module, touched), &self.baseline, observer);
+            let touched = self.sense.relative().contacts_of(usize::from(module));
+            let touch = (module, !touched.is_empty());
+            texture.scan(scan, touch, self.sense.baseline(), observer);
         }
         if module != self.drives {
             return;
         }
         let number = self.frames;
         self.frames = self.frames.saturating_add(1);
-        if self.baseline.phase() != BaselinePhase::Ready
-            && self.baseline.feed(scan) != BaselinePhase::Ready
-        {
-            return;
-        }
-        if !self.masked {
-            self.baseline.mask(&mut self.relative);
-            self.masked = true;
-            self.used_whole.fill(false);
-        }
-        let advanced = self.baseline.advance(scan, &mut self.relative);
-        let compressed = advanced.and_then(|news| {
-            if news || !self.compressor.repeat() {
-                self.compressor.compress(&self.relative)?;
+        let compressed = self.sense.frame(scan).and_then(|news| {
+            if news.is_some_and(|news| news || !self.compressor.repeat()) {
+                self.compressor.compress(self.sense.relative())?;
             }
-            Ok(())
+            Ok(news.is_some())
         });
         // Only a frame of another layout is refused, and all of these are the loop's own.
-        if compressed.is_ok() {
-            self.newest = Some(scan.at());
+        if compressed == Ok(true) {
+            self.newest = Some(at);
             observer.frame(&FrameReport {
-                at: scan.at(),
+                at,
                 number,
-                relative: &self.relative,
+                relative: self.sense.relative(),
                 contacts: self.compressor.contacts(),
             });
-        }
-    }
-}
-
-impl Pipeline {
-    /// A module all of whose taxels were dead, and of which a scan now comes, may have another board: where the
-    /// reference follows drift, the module starts over.
-    fn watch_for_new_board(&mut self, module: usize, layout: &Layout) {
-        let conditions = &self.conditions[layout.range(module)];
-        let silent = |c: &Condition| matches!(c, Condition::Dead | Condition::Inactive);
-        if self.baseline.follows_drift()
-            && conditions.iter().all(silent)
-            && conditions.contains(&Condition::Dead)
-        {
-            self.baseline.restart(module);
-            self.used_whole.fill(false);
-        }
-    }
-
-    /// Tells whether nothing is left to do for well taxels: they were well before, and are left out only where the
-    /// baseline says so.
-    fn is_used_whole(&mut self, module: usize, layout: &Layout) -> bool {
-        // A baseline that takes a module's reference anew changes by itself what may be used.
-        let settled = !self.baseline.is_restarting();
-        if settled && self.used_whole[module] {
-            return true;
-        }
-        let is_used = self.looks_used_whole(layout.range(module));
-        self.used_whole[module] = settled && is_used;
-        is_used
-    }
-
-    fn looks_used_whole(&self, range: Range<usize>) -> bool {
-        let conditions = self.conditions[range.clone()].iter();
-        let well = |c: &Condition| (*c == Condition::Good) | (*c == Condition::Inactive);
-        let (used, usable) = (self.relative.usable(), self.baseline.usable());
-        conditions.fold(true, |all, c| all & well(c))
-            && (!self.masked || used[range.clone()] == usable[range])
-    }
-
-    /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
-    /// Where a whole module stands still it may be a skin without noise, so it is only reported.
-    fn examine(
-        &mut self,
-        now: Instant,
-        module: usize,
-        layout: &Layout,
-        observer: &mut impl Observer,
-    ) {
-        let range = layout.range(module);
-        let mut still = true;
-        for i in range.clone() {
-            let condition = self.monitor.condition(i, now);
-            still &= !matches!(
-                condition,
-                Condition::Good | Condition::Saturated | Condition::Jumping
-            );
-            if self.conditions[i] != condition {
-                self.conditions[i] = condition;
-                self.used_whole[module] = false;
-                observer.taxel(now, i, condition);
-            }
-        }
-        if !self.masked {
-            return;
-        }
-        for i in range {
-            let sound = match self.conditions[i] {
-                Condition::Good => !self.monitor.has_jumped(i),
-                Condition::Frozen => still,
-                _ => false,
-            };
-            let usable = sound && self.baseline.usable()[i];
-            if self.relative.usable()[i] != usable {
-                self.relative.set_usable(i, usable);
-                self.used_whole[module] = false;
-            }
         }
     }
 }
@@ -179,29 +77,12 @@ impl Sensing {
     pub(super) fn new(plan: SensingPlan, drives: u16) -> Result<(Self, Layout), PlanError> {
         let layout = plan.layout;
         let whole = plan.compression.scope == Scope::Skin;
-        let baseline = Baseline::new(&layout, plan.baseline)?;
         let sensing = Self {
             scan: Scan::new(&layout),
             pipeline: Pipeline {
-                relative: RelativeFrame::new(&layout),
+                sense: Sense::new(&layout, plan.baseline, plan.health)?,
                 compressor: Compressor::new(&layout, plan.compression)?,
-                monitor: Monitor::new(&layout, plan.health),
                 texture: None,
-                baseline,
-                masked: false,
-                conditions: layout
-                    .modules()
-                    .iter()
-                    .flat_map(|m| m.active())
-                    .map(|active| {
-                        if *active {
-                            Condition::Good
-                        } else {
-                            Condition::Inactive
-                        }
-                    })
-                    .collect(),
-                used_whole: alloc::vec![false; layout.modules().len()].into(),
                 drives,
                 frames: 0,
                 newest: None,
@@ -237,15 +118,26 @@ impl Sensing {
     }
 
     pub(super) const fn baseline(&self) -> &Baseline {
-        &self.pipeline.baseline
+        self.pipeline.sense.baseline()
     }
 
     pub(super) const fn monitor(&self) -> &Monitor {
-        &self.pipeline.monitor
+        self.pipeline.sense.monitor()
     }
 
-    pub(super) const fn monitor_mut(&mut self) -> &mut Monitor {
-        &mut self.pipeline.monitor
+    /// The health of the skin up to `now`.
+    pub(super) fn health(&mut self, now: Instant) -> HealthSummary {
+        self.pipeline.sense.summary(now)
+    }
+
+    /// Whether anything is in contact.
+    pub(super) fn is_touched(&self) -> bool {
+        !self.pipeline.sense.relative().contacts().is_empty()
+    }
+
+    /// Takes the reference of every module anew.
+    pub(super) fn rezero(&mut self) {
+        self.pipeline.sense.rezero();
     }
 
     /// Time of the newest frame that was compressed.
@@ -286,7 +178,7 @@ impl Sensing {
         observer.frame(&FrameReport {
             at,
             number,
-            relative: &pipeline.relative,
+            relative: pipeline.sense.relative(),
             contacts: pipeline.compressor.contacts(),
         });
     }
@@ -300,12 +192,8 @@ impl Sensing {
     ) {
         if now >= self.next_round {
             self.next_round = now + ROUND;
-            for module in 0..layout.modules().len() {
-                let well = self.pipeline.monitor.is_well(module, now);
-                if !(well && self.pipeline.is_used_whole(module, layout)) {
-                    self.pipeline.examine(now, module, layout, observer);
-                }
-            }
+            let report = &mut |i, condition| observer.taxel(now, i, condition);
+            self.pipeline.sense.look_round(now, layout, report);
         }
     }
 }

@@ -20,6 +20,7 @@ use alloc::vec;
 
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Illusion, Inverse, Sharing, Target};
+use crate::listed::listed;
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant, Ticks};
 
@@ -46,33 +47,23 @@ const FEW: u8 = 4;
 /// Times that widths are corrected where a fingertip bears less than all contacts want.
 const CORRECTIONS: u32 = 3;
 
-/// Rendering of a contact that is felt.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Style {
-    /// A vibration: bursts of at least 30 ms.
-    #[default]
-    Smooth,
-    /// Taps: bursts of two pulses, which are felt more strongly at the same power.
-    Tap,
-    /// Taps while the contact rests, a vibration while it moves. Where the current is so small that a vibration takes many
-    /// pulses, two of them are weaker at any power, and it stays a vibration.
-    Auto,
+listed! {
+    /// How a contact that is felt is rendered.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Style: name {
+        /// A vibration: bursts of at least 30 ms.
+        #[default]
+        Smooth = "smooth",
+        /// Taps: bursts of two pulses, which are felt more strongly at the same power.
+        Tap = "tap",
+        /// Taps while the contact rests, a vibration while it moves. Where the current is so small that a vibration
+        /// takes many pulses, two of them are weaker at any power, and it stays a vibration.
+        Auto = "auto",
+    }
 }
 
 impl Style {
-    /// Every style.
-    pub const ALL: [Self; 3] = [Self::Smooth, Self::Tap, Self::Auto];
-
-    /// Name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Smooth => "smooth",
-            Self::Tap => "tap",
-            Self::Auto => "auto",
-        }
-    }
-
-    /// Tells whether a contact that rests or moves is rendered as taps.
+    /// Whether a contact that rests or moves is rendered as taps.
     const fn taps(self, rests: bool, pattern: &Pattern) -> bool {
         match self {
             Self::Smooth => false,

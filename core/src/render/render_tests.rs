@@ -1,7 +1,7 @@
 //! Tests of `mod.rs`: what every wire gets, and that the guard has nothing left to change.
 
 use super::*;
-use crate::guard::{Cause, HARD, Plant};
+use crate::guard::{Cause, HARD, Plant, WornWire};
 use crate::illusion::{Display, DisplayWire, ModelSettings, inverse};
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Channel, Milliamps, Point};
@@ -30,7 +30,7 @@ impl Rig {
             peak: Milliamps(1970),
             ..Plant::default()
         };
-        let guard = Guard::new(HARD, plant, display.wires()).unwrap();
+        let guard = Guard::new(HARD, plant, display.wires(), WornWire::default()).unwrap();
         let settings = RenderSettings {
             law: inverse(&display, &ModelSettings::default()).unwrap(),
             style,

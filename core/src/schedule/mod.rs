@@ -6,6 +6,7 @@ mod stagger;
 pub use share::Share;
 pub use stagger::stagger;
 
+use crate::listed::listed;
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
 /// Most stimuli in a command to a driver unit: eight wires on each of sixteen boards.
@@ -28,65 +29,33 @@ pub struct Stimulus {
     pub until: Instant,
 }
 
-/// Why what was applied differs from what was requested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[non_exhaustive]
-pub enum Reason {
-    /// The pulse would have been longer than the limit.
-    PulseWidth,
-    /// The burst would have lasted longer, or delivered more energy, than the limit.
-    Burst,
-    /// The supply could not feed all wires on at this instant.
-    SupplyCurrent,
-    /// The wire's mean power over a window would have passed the limit.
-    WirePower,
-    /// The fingertip's mean power over a window would have passed the limit.
-    FingertipPower,
-    /// The skin 0.1 mm deep would have passed its limit at some time.
-    SkinPeak,
-    /// The skin 0.1 mm deep would have passed its limit as a mean over 10 s.
-    SkinMean,
-    /// The skin 0.4 mm deep would have passed its limit at some time.
-    SkinDeep,
-    /// Too little is left of the session's dose for so warm a burst.
-    Dose,
-    /// The guard is latched: everything stays off until the cause is cleared.
-    Latched,
-    /// The current would have been more than the amplifier can be set to, or would have risen while the wire was on.
-    Current,
-}
-
-impl Reason {
-    /// Every reason.
-    pub const ALL: [Self; 11] = [
-        Self::PulseWidth,
-        Self::Burst,
-        Self::SupplyCurrent,
-        Self::WirePower,
-        Self::FingertipPower,
-        Self::SkinPeak,
-        Self::SkinMean,
-        Self::SkinDeep,
-        Self::Dose,
-        Self::Latched,
-        Self::Current,
-    ];
-
-    /// The word that stands in a schedule file.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::PulseWidth => "pulse-width",
-            Self::Burst => "burst",
-            Self::SupplyCurrent => "supply-current",
-            Self::WirePower => "wire-power",
-            Self::FingertipPower => "fingertip-power",
-            Self::SkinPeak => "skin-peak",
-            Self::SkinMean => "skin-mean",
-            Self::SkinDeep => "skin-deep",
-            Self::Dose => "dose",
-            Self::Latched => "latched",
-            Self::Current => "current",
-        }
+listed! {
+    /// Why what was applied differs from what was requested.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    #[non_exhaustive]
+    pub enum Reason: word {
+        /// The pulse would have been longer than the limit.
+        PulseWidth = "pulse-width",
+        /// The burst would have lasted longer, or delivered more energy, than the limit.
+        Burst = "burst",
+        /// The supply could not feed all wires on at this instant.
+        SupplyCurrent = "supply-current",
+        /// The wire's mean power over a window would have passed the limit.
+        WirePower = "wire-power",
+        /// The fingertip's mean power over a window would have passed the limit.
+        FingertipPower = "fingertip-power",
+        /// The skin 0.1 mm deep would have passed its limit at some time.
+        SkinPeak = "skin-peak",
+        /// The skin 0.1 mm deep would have passed its limit as a mean over 10 s.
+        SkinMean = "skin-mean",
+        /// The skin 0.4 mm deep would have passed its limit at some time.
+        SkinDeep = "skin-deep",
+        /// Too little is left of the session's dose for so warm a burst.
+        Dose = "dose",
+        /// The guard is latched: everything stays off until the cause is cleared.
+        Latched = "latched",
+        /// The current would have been more than the amplifier can be set to, or would have risen while the wire was on.
+        Current = "current",
     }
 }
 

@@ -3,89 +3,26 @@
 //! Frame 0 tells faulty taxels, frames 0 ..= T-1 make the reference (the mean), frame T the threshold (4.3);
 //! from frame T on relative frames (4.2) are made. The skin must be untouched until then.
 //!
-//! Beyond the thesis, for boards as they are: a threshold for every taxel from its own noise, a reference that
-//! follows slow drift, and a module that starts over after its board was changed.
+//! Beyond the thesis, for boards as they are: a threshold for every taxel from its own noise, a reference that is a state
+//! ([`super::rest`]), and a module that starts over where it was not at rest or its board was changed.
 
 use alloc::vec::Vec;
 
+pub use super::baseline_settings::{BaselineError, BaselineSettings, ThresholdRule};
 use super::layout::Layout;
 use super::reference::Reference;
-use super::relative::{Axes, FrameError, RelativeFrame};
+use super::relative::{FrameError, RelativeFrame};
+use super::rest::Rest;
 use super::scan::Scan;
-use crate::units::Duration;
+use crate::units::Instant;
 
-/// How the contact threshold is found, raw counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ThresholdRule {
-    /// The largest |difference| of any chosen axis of any taxel in the first frame after the reference (4.3),
-    /// plus a margin.
-    Auto {
-        /// Added to it, counts.
-        margin: f32,
-    },
-    /// Every taxel its own: `floor` and so many times its noise at rest, measured while the reference is made and
-    /// without the rows that merely repeat. One frame with an outlier cannot raise it for all.
-    PerTaxel {
-        /// Standard deviations (Euclidean over the chosen axes).
-        sigmas: f32,
-        /// Added to them, counts: what is too faint to matter.
-        floor: f32,
-    },
-    /// As given.
-    Fixed {
-        /// The threshold, counts.
-        counts: f32,
-    },
-}
-
-/// Settings of the baseline.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaselineSettings {
-    /// T: frames in the reference, at least 1.
-    pub reference_frames: u32,
-    /// A taxel is faulty when an axis is further than this many standard deviations (over all taxels, population
-    /// form) from that axis's mean on the initial frame; `None` keeps all. Over n taxels no value can be further
-    /// than sqrt(n - 1) deviations: 3.87 for n = 16.
-    pub fault_sigmas: Option<f32>,
-    /// The contact threshold.
-    pub threshold: ThresholdRule,
-    /// The axes that count for threshold, contact and intensity.
-    pub axes: Axes,
-    /// Time constant with which the reference of a taxel follows its readings while it is not in contact; `None`
-    /// keeps it as it was found.
-    pub drift: Option<Duration>,
-}
-
-impl Default for BaselineSettings {
-    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes, no drift following: the thesis.
-    fn default() -> Self {
-        Self {
-            reference_frames: 10,
-            fault_sigmas: None,
-            threshold: ThresholdRule::Auto { margin: 0.0 },
-            axes: Axes::XYZ,
-            drift: None,
-        }
-    }
-}
-
-/// Why settings are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BaselineError {
-    /// T = 0.
-    #[error("the reference needs at least one frame")]
-    NoReference,
-    /// A number of deviations that is not positive and finite.
-    #[error("the number of standard deviations must be positive and finite")]
-    BadSigmas,
-    /// A margin, threshold or number of deviations that is NaN, infinite or negative.
-    #[error("threshold and margin must be finite and not negative")]
-    BadThreshold,
-    /// A time constant of zero.
-    #[error("the time constant of drift must be longer than 0")]
-    BadDrift,
-}
+/// What a taxel may move beyond its noise while its reference is collected: counts, and counts per second of drift.
+const REST_COUNTS: f32 = 10.0;
+const STEEPEST: f32 = 30.0;
+/// So many references are begun before a module does without the taxels that do not come to rest.
+const PATIENCE: u32 = 50;
+/// Corrections of the reference in which a taxel's noise is still listened to.
+const LISTENS: u32 = 257;
 
 /// Where the baseline stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,8 +45,14 @@ pub struct Baseline {
     reference: Reference,
     /// Frames each module still takes for a new reference; 0 once it has one.
     missing: Vec<u32>,
+    /// When each module began to take a reference, and frames that it has taken in vain since.
+    begun: Vec<Instant>,
+    restless: Vec<u32>,
+    /// Frames in which a module had not come to rest.
+    unrest: u32,
     /// Whether a module is starting over.
     restarting: bool,
+    rest: Option<Rest>,
     active: Vec<bool>,
     usable: Vec<bool>,
     faulty: Vec<bool>,
@@ -120,30 +63,9 @@ pub struct Baseline {
 impl Baseline {
     /// A baseline that has seen nothing yet.
     pub fn new(layout: &Layout, settings: BaselineSettings) -> Result<Self, BaselineError> {
-        if settings.reference_frames == 0 {
-            return Err(BaselineError::NoReference);
-        }
-        if settings
-            .fault_sigmas
-            .is_some_and(|k| !(k > 0.0 && k.is_finite()))
-        {
-            return Err(BaselineError::BadSigmas);
-        }
-        let (counts, sigmas) = match settings.threshold {
-            ThresholdRule::Auto { margin } => (margin, 0.0),
-            ThresholdRule::Fixed { counts } => (counts, 0.0),
-            ThresholdRule::PerTaxel { sigmas, floor } => (floor, sigmas),
-        };
-        if [counts, sigmas]
-            .iter()
-            .any(|v| !(*v >= 0.0 && v.is_finite()))
-        {
-            return Err(BaselineError::BadThreshold);
-        }
-        if settings.drift == Some(Duration::ZERO) {
-            return Err(BaselineError::BadDrift);
-        }
+        let (counts, _) = settings.checked()?;
         let n = layout.taxels();
+        let of_modules = layout.modules().len();
         let modules = || layout.modules().iter();
         let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
         Ok(Self {
@@ -152,8 +74,14 @@ impl Baseline {
             frames: 0,
             starts: layout.starts().to_vec(),
             reference: Reference::new(n, settings.axes.flags()),
-            missing: alloc::vec![0; layout.modules().len()],
+            missing: alloc::vec![0; of_modules],
+            begun: alloc::vec![Instant::ZERO; of_modules],
+            restless: alloc::vec![0; of_modules],
+            unrest: 0,
             restarting: false,
+            rest: settings
+                .drift
+                .map(|constant| Rest::new(layout.starts(), constant)),
             usable: active.clone(),
             active,
             faulty: alloc::vec![false; n],
@@ -177,28 +105,35 @@ impl Baseline {
                     let threshold = self.largest_difference(scan) + margin;
                     self.thresholds.fill(threshold);
                 }
-                ThresholdRule::PerTaxel { sigmas, floor } => {
-                    for (threshold, noise) in self.thresholds.iter_mut().zip(self.reference.noise())
-                    {
-                        *threshold = floor + sigmas * noise;
-                    }
-                }
+                ThresholdRule::PerTaxel { .. } => self.weigh_noise(),
                 ThresholdRule::Fixed { .. } => {}
+            }
+            if let Some(rest) = &mut self.rest {
+                rest.set(0..n, &self.thresholds);
             }
             self.phase = BaselinePhase::Ready;
             return self.phase;
         }
         if self.frames == 0 {
             self.mark_faulty(scan);
+            self.begun.fill(scan.at());
         }
         self.reference.collect(scan, 0..n);
         self.frames += 1;
+        if self.frames == self.settings.reference_frames / 2 {
+            self.reference.halve(0..n);
+        }
         if self.frames == self.settings.reference_frames {
             self.reference.finish(0..n);
             for (i, usable) in self.usable.iter_mut().enumerate() {
                 *usable &= self.reference.knows(i);
             }
             self.phase = BaselinePhase::Referenced;
+            for module in 0..self.missing.len() {
+                if self.is_restless(module, scan.at()) {
+                    self.begin(module);
+                }
+            }
         }
         // The caller has no relative frame either way; `Referenced` is visible through `phase`.
         self.phase
@@ -207,14 +142,82 @@ impl Baseline {
     /// Starts over with one module, whose board was changed or comes back after a silence: its taxels are left out
     /// until [`Baseline::advance`] has seen as many frames of it as the first reference had. Thresholds stay.
     pub fn restart(&mut self, module: usize) {
-        let range = self.range(module);
-        if self.phase != BaselinePhase::Ready || range.is_empty() {
-            return;
+        if self.phase == BaselinePhase::Ready && !self.range(module).is_empty() {
+            self.restless[module] = 0;
+            self.begin(module);
+            self.fresh_start(module);
         }
+    }
+
+    /// Says that a module was silent, and that its board may be another one now: where its next readings show that, the
+    /// module starts over. A reference that stays takes no notice.
+    pub fn doubt(&mut self, module: usize) {
+        if let Some(rest) = &mut self.rest {
+            rest.doubt(module);
+        }
+    }
+
+    /// Takes the reference of every module anew, from the next frame on; nothing is in contact until they have it.
+    pub fn rezero(&mut self) {
+        (0..self.missing.len()).for_each(|module| self.restart(module));
+    }
+
+    /// Begins a module's reference with its next scan.
+    fn begin(&mut self, module: usize) {
+        let range = self.range(module);
         self.missing[module] = self.settings.reference_frames;
         self.restarting = true;
         self.reference.restart(range.clone());
         self.usable[range].fill(false);
+    }
+
+    fn fresh_start(&mut self, module: usize) {
+        if let Some(rest) = &mut self.rest {
+            rest.forget(module);
+        }
+    }
+
+    /// Whether a module was moved by more than noise and drift while its reference was collected; where it never comes to
+    /// rest, some of its taxels are ill, and those at rest have to do.
+    fn is_restless(&mut self, module: usize, now: Instant) -> bool {
+        if self.rest.is_none() {
+            return false;
+        }
+        let (range, began) = (self.range(module), self.begun[module]);
+        let drift = STEEPEST * now.since(began).as_secs_f64() as f32;
+        let moved = |i: &usize| {
+            self.active[*i]
+                && !self.faulty[*i]
+                && self.reference.knows(*i)
+                && self.reference.moved(*i, REST_COUNTS + drift)
+        };
+        let restless: Vec<usize> = range.filter(moved).collect();
+        self.restless[module] =
+            self.restless[module].saturating_add(self.settings.reference_frames);
+        if restless.is_empty() {
+            self.restless[module] = 0;
+            return false;
+        }
+        if self.restless[module] / self.settings.reference_frames < PATIENCE {
+            return true;
+        }
+        restless.iter().for_each(|i| self.faulty[*i] = true);
+        restless.iter().for_each(|i| self.usable[*i] = false);
+        false
+    }
+
+    /// Sets every taxel's threshold by its noise.
+    fn weigh_noise(&mut self) {
+        let ThresholdRule::PerTaxel { sigmas, floor } = self.settings.threshold else {
+            return;
+        };
+        let noise = self.reference.noise();
+        for (threshold, noise) in self.thresholds.iter_mut().zip(noise) {
+            *threshold = floor + sigmas * noise;
+        }
+        if let Some(rest) = &mut self.rest {
+            rest.set(0..self.thresholds.len(), &self.thresholds);
+        }
     }
 
     fn range(&self, module: usize) -> core::ops::Range<usize> {
@@ -232,15 +235,30 @@ impl Baseline {
                 continue;
             }
             self.reference.collect(scan, range.clone());
+            if self.missing[module] == self.settings.reference_frames {
+                self.begun[module] = scan.at();
+            }
             self.missing[module] -= 1;
+            if self.missing[module] == self.settings.reference_frames.div_ceil(2) {
+                self.reference.halve(range.clone());
+            }
             if self.missing[module] == 0 {
+                if self.is_restless(module, scan.at()) {
+                    self.begin(module);
+                    continue;
+                }
                 self.reference.finish(range.clone());
+                self.fresh_start(module);
                 for i in range {
                     self.usable[i] = self.active[i] && !self.faulty[i] && self.reference.knows(i);
+                }
+                if self.rest.is_some() {
+                    self.weigh_noise();
                 }
             }
         }
         self.restarting = self.missing.iter().any(|n| *n > 0);
+        self.unrest = self.unrest.saturating_add(u32::from(self.restarting));
     }
 
     fn mark_faulty(&mut self, scan: &Scan) {
@@ -305,22 +323,65 @@ impl Baseline {
         if self.restarting && scan.counts().len() == self.reference.taxels() {
             self.collect_again(scan);
         }
-        let n = self.reference.taxels();
-        let fits = scan.counts().len() == n && frame.magnitude().len() == n;
-        if fits && self.phase == BaselinePhase::Ready && frame.made {
-            if frame.is_of(scan) {
+        let ready = self.phase == BaselinePhase::Ready;
+        if ready && frame.made && frame.magnitude().len() == self.reference.taxels() {
+            let waits = self.rest.as_ref().is_some_and(Rest::is_pending);
+            if !waits && frame.is_of(scan) {
                 return Ok(false);
             }
-            if let Some(constant) = self.settings.drift {
-                let since = scan.at().since(frame.at).as_secs_f64() as f32;
-                let share = since / (since + constant.as_secs_f64() as f32);
-                self.reference.follow(frame, &self.thresholds, share);
-            }
+            self.follow(frame);
         }
-        self.measure(scan, frame)
+        self.measure(scan, frame)?;
+        if ready {
+            self.decide(scan, frame)?;
+        }
+        Ok(true)
     }
 
-    /// As [`Baseline::advance`] with the reference as it is.
+    /// Has the reference follow the frame of the scan before.
+    fn follow(&mut self, frame: &mut RelativeFrame) {
+        let Some(rest) = &mut self.rest else {
+            return;
+        };
+        let followed = rest.follow(&mut self.reference, frame);
+        if let Some(module) = rest.take_wrong() {
+            self.restart(module);
+            self.mask(frame);
+            return;
+        }
+        if !followed || rest.corrections() >= LISTENS {
+            return;
+        }
+        for (i, counts) in frame.counts().iter().enumerate() {
+            if self.usable[i] && !rest.touches(i) {
+                self.reference.hear(i, *counts);
+            }
+        }
+        if rest.corrections().is_power_of_two() {
+            self.weigh_noise();
+        }
+    }
+
+    /// Finds out which taxels of a frame that was measured are touched.
+    fn decide(&mut self, scan: &Scan, frame: &mut RelativeFrame) -> Result<(), FrameError> {
+        let Some(rest) = &mut self.rest else {
+            return Ok(());
+        };
+        if let Some(module) = rest.another_board(&self.reference, frame) {
+            self.restart(module);
+            self.mask(frame);
+            self.measure(scan, frame)?;
+        } else if rest.step(&mut self.reference, frame) {
+            self.measure(scan, frame)?;
+        }
+        if let Some(rest) = &mut self.rest {
+            rest.decide(&self.reference, frame);
+        }
+        Ok(())
+    }
+
+    /// As [`Baseline::advance`] with the reference as it is. Where that is a state, the taxels in contact are those of the
+    /// newest scan that was advanced to.
     ///
     /// # Errors
     /// A scan or frame of another layout.
@@ -328,7 +389,12 @@ impl Baseline {
         if self.phase == BaselinePhase::Ready && frame.made && frame.is_of(scan) {
             return Ok(false);
         }
-        self.measure(scan, frame)
+        self.measure(scan, frame)?;
+        if let Some(rest) = self.rest.as_ref().filter(|_| frame.made) {
+            let touched = (0..self.usable.len()).map(|i| rest.touches(i));
+            frame.find_contacts(touched.map(|t| if t { -1.0 } else { f32::INFINITY }));
+        }
+        Ok(true)
     }
 
     fn measure(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
@@ -346,7 +412,11 @@ impl Baseline {
         (frame.at, frame.made) = (scan.at(), true);
         self.reference.measure(&frame.counts, &mut frame.measured);
         frame.spread(self.settings.axes);
-        frame.find_contacts(self.thresholds.iter().copied());
+        let limits = self
+            .rest
+            .as_ref()
+            .map_or(&self.thresholds[..], Rest::limits);
+        frame.find_contacts(limits.iter().copied());
         Ok(true)
     }
 
@@ -374,6 +444,14 @@ impl Baseline {
     /// Whether the reference follows drift.
     pub fn follows_drift(&self) -> bool {
         self.settings.drift.is_some()
+    }
+    /// Frames in which a module had no reference because its skin was not at rest, or because it was begun anew.
+    pub const fn unrest(&self) -> u32 {
+        self.unrest
+    }
+    /// How often a module's readings fell below its reference without a touch: the skin was touched when it was taken.
+    pub fn taken_touched(&self) -> u32 {
+        self.rest.as_ref().map_or(0, Rest::taken_touched)
     }
     /// Where it stands.
     pub fn phase(&self) -> BaselinePhase {

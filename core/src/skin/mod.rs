@@ -7,12 +7,15 @@
 //! Taxels of all modules share one running index: module after module, row-major within a grid.
 
 pub mod baseline;
+mod baseline_settings;
 pub mod health;
 pub mod layout;
 mod layout_error;
 mod reference;
 pub mod relative;
+mod rest;
 mod scan;
+mod sense;
 mod source;
 pub mod uskin;
 
@@ -21,5 +24,6 @@ pub use health::{Condition, HealthSettings, HealthSummary, Monitor};
 pub use layout::{Address, Grid, Layout, LayoutError, Module, Protocol};
 pub use relative::{Axes, FrameError, RelativeFrame};
 pub use scan::{Scan, WrongLength};
+pub use sense::Sense;
 pub use source::{ModuleScan, ScanError, SkinSource};
 pub use uskin::CanSkin;

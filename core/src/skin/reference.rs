@@ -3,13 +3,26 @@
 
 use alloc::vec::Vec;
 
-use super::relative::RelativeFrame;
 use super::scan::Scan;
 use crate::statistics::quantile;
 use crate::vector::Vectors;
 
 /// A taxel noisier than this many times the median was touched or is ill; it counts as this noisy.
 const NOISIEST: f32 = 4.0;
+
+/// What a taxel at rest may go from its first reading, and its mean from one half to the next, in deviations of noise.
+const CALM_SIGMAS: f64 = 8.0;
+const SLOPE_SIGMAS: f64 = 3.0;
+
+/// What was collected of a taxel halfway.
+#[derive(Clone, Copy, Debug, Default)]
+struct Half {
+    first: [u16; 3],
+    away: u16,
+    sums: [u64; 3],
+    seen: u32,
+    steps: (u64, u32),
+}
 
 /// Reference and noise of every taxel. The axes are those chosen; the others stay 0.
 #[derive(Clone, Debug)]
@@ -23,6 +36,8 @@ pub(super) struct Reference {
     sums: Vec<[u64; 3]>,
     seen: Vec<u32>,
     last: Vec<[u16; 3]>,
+    /// The first half of what was collected, and how far the readings went from the first on any chosen axis.
+    halves: Vec<Half>,
     /// Squared steps from one distinct reading to the next, all chosen axes, and how many.
     steps: Vec<(u64, u32)>,
 }
@@ -38,6 +53,7 @@ impl Reference {
             sums: alloc::vec![[0; 3]; taxels],
             seen: alloc::vec![0; taxels],
             last: alloc::vec![[0; 3]; taxels],
+            halves: alloc::vec![Half::default(); taxels],
             steps: alloc::vec![(0, 0); taxels],
         }
     }
@@ -51,6 +67,7 @@ impl Reference {
         for i in range {
             self.sums[i] = [0; 3];
             self.seen[i] = 0;
+            self.halves[i] = Half::default();
             self.steps[i] = (0, 0);
         }
     }
@@ -62,21 +79,67 @@ impl Reference {
                 continue;
             }
             let counts = scan.counts()[i];
-            if self.seen[i] > 0 && counts != self.last[i] {
-                // Half the mean squared step is the variance, whatever slow drift there is (von Neumann 1941).
-                // Rows that merely repeat say nothing about noise.
-                let axes = counts.iter().zip(self.last[i]).zip(self.axes);
-                let chosen = axes.filter(|(_, chosen)| *chosen);
-                let square = chosen.map(|((a, b), _)| u64::from(a.abs_diff(b)).pow(2));
-                self.steps[i].0 += square.sum::<u64>();
-                self.steps[i].1 += 1;
+            let half = &mut self.halves[i];
+            if self.seen[i] == 0 {
+                (half.first, self.last[i]) = (counts, counts);
             }
-            self.last[i] = counts;
+            let axes = counts.iter().zip(half.first).zip(self.axes);
+            let chosen = axes.filter(|(_, chosen)| *chosen);
+            let away = chosen.map(|((a, b), _)| a.abs_diff(b)).max();
+            half.away = half.away.max(away.unwrap_or(0));
+            self.hear(i, counts);
             self.seen[i] += 1;
             for (sum, c) in self.sums[i].iter_mut().zip(counts) {
                 *sum += u64::from(c);
             }
         }
+    }
+
+    /// Takes a reading at rest for the noise alone.
+    pub(super) fn hear(&mut self, taxel: usize, counts: [u16; 3]) {
+        // Half the mean squared step is the variance, whatever slow drift there is (von Neumann 1941).
+        // Rows that merely repeat say nothing about noise.
+        if counts != self.last[taxel] {
+            let axes = counts.iter().zip(self.last[taxel]).zip(self.axes);
+            let chosen = axes.filter(|(_, chosen)| *chosen);
+            let square = chosen.map(|((a, b), _)| u64::from(a.abs_diff(b)).pow(2));
+            self.steps[taxel].0 += square.sum::<u64>();
+            self.steps[taxel].1 += 1;
+        }
+        self.last[taxel] = counts;
+    }
+
+    /// Says that half of what is collected of these taxels is there.
+    pub(super) fn halve(&mut self, range: core::ops::Range<usize>) {
+        for i in range {
+            let half = &mut self.halves[i];
+            (half.sums, half.seen, half.steps) = (self.sums[i], self.seen[i], self.steps[i]);
+        }
+    }
+
+    /// Whether a taxel moved by more than noise and `most` counts while the reference was collected. A step makes one half
+    /// noisy, a slope both alike and their means different.
+    pub(super) fn moved(&self, taxel: usize, most: f32) -> bool {
+        let (half, sums) = (&self.halves[taxel], &self.sums[taxel]);
+        let (square, n) = self.steps[taxel];
+        let noise = |square: u64, n: u32| libm::sqrt(0.5 * square as f64 / f64::from(n.max(1)));
+        let late = (square - half.steps.0, n - half.steps.1);
+        let calm = noise(half.steps.0, half.steps.1).min(noise(late.0, late.1));
+        let most = f64::from(most);
+        if f64::from(half.away) > most + CALM_SIGMAS * calm {
+            return true;
+        }
+        let (early, late) = (half.seen, self.seen[taxel] - half.seen);
+        if early == 0 || late == 0 {
+            return false;
+        }
+        let sigmas = libm::sqrt(1.0 / f64::from(early) + 1.0 / f64::from(late));
+        let slope = SLOPE_SIGMAS * sigmas * noise(square, n);
+        (0..3).filter(|a| self.axes[*a]).any(|a| {
+            let before = half.sums[a] as f64 / f64::from(early);
+            let after = (sums[a] - half.sums[a]) as f64 / f64::from(late);
+            libm::fabs(after - before) > 0.5 * most + slope
+        })
     }
 
     /// Makes the reference of these taxels: the mean of what was collected.
@@ -140,23 +203,24 @@ impl Reference {
         );
     }
 
-    /// Moves the reference of every usable taxel not in contact by `share` (0 to 1) of its way to the readings the
-    /// frame was made from.
-    pub(super) fn follow(&mut self, frame: &RelativeFrame, thresholds: &[f32], share: f32) {
-        let limits = thresholds.iter().take(self.taxels());
-        for (i, &threshold) in limits.enumerate() {
-            if !frame.usable()[i] || frame.magnitude()[i] > threshold {
-                continue;
-            }
-            for axis in 0..3 {
-                if self.axes[axis] {
-                    let (whole, rest) = (&mut self.whole[i][axis], &mut self.rest[i][axis]);
-                    let away = f32::from(frame.counts[i][axis]) - *whole - *rest;
-                    *rest += share * away;
-                    let carry = libm::floorf(*rest);
-                    *whole += carry;
-                    *rest -= carry;
-                }
+    /// Signed distance of a reading from its reference along x, y, z, counts; 0 where the axis is not chosen.
+    pub(super) fn away(&self, taxel: usize, counts: [u16; 3]) -> [f32; 3] {
+        let (whole, rest) = (&self.whole[taxel], &self.rest[taxel]);
+        [0, 1, 2].map(|axis| match self.axes[axis] {
+            true => f32::from(counts[axis]) - whole[axis] - rest[axis],
+            false => 0.0,
+        })
+    }
+
+    /// Moves the reference of a taxel by some counts along x, y, z.
+    pub(super) fn shift(&mut self, taxel: usize, by: [f32; 3]) {
+        let (whole, rest) = (&mut self.whole[taxel], &mut self.rest[taxel]);
+        for ((whole, rest), by) in whole.iter_mut().zip(rest).zip(by) {
+            *rest += by;
+            if !(0.0..1.0).contains(rest) {
+                let carry = libm::floorf(*rest);
+                *whole += carry;
+                *rest -= carry;
             }
         }
     }

@@ -194,6 +194,27 @@ impl RelativeFrame {
         }
     }
 
+    /// Leaves contacts out of the list.
+    pub(super) fn retain_contacts(&mut self, keep: impl Fn(u32) -> bool) {
+        let mut kept = 0;
+        for m in 0..self.starts.len().saturating_sub(1) {
+            let listed = self.contact_starts[m] as usize..self.contact_starts[m + 1] as usize;
+            // The start of the next module is read before it is set.
+            self.contact_starts[m] = kept as u32;
+            for from in listed {
+                let taxel = self.contacts[from];
+                if keep(taxel) {
+                    self.contacts[kept] = taxel;
+                    kept += 1;
+                }
+            }
+        }
+        if let Some(end) = self.contact_starts.last_mut() {
+            *end = kept as u32;
+        }
+        self.contacts.truncate(kept);
+    }
+
     /// Leaves a taxel out of contacts and interpolation, or takes it in again; holds from the next frame on.
     pub(crate) fn set_usable(&mut self, index: usize, usable: bool) {
         if let Some(u) = self.usable.get_mut(index)

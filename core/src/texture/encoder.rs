@@ -1,10 +1,10 @@
-//! The encoder: a checked model, and whole windows through it.
+//! The encoder: a checked model, and a whole window through it.
 
 use alloc::vec::Vec;
 
 use pulp::{Simd, WithSimd};
 
-use super::kernel::{self, Input, Rows};
+use super::kernel::{self, Rows};
 use super::model::{LARGEST, Model, ModelError, SampleError};
 use super::pack::{Aligned, Layer};
 use crate::vector::Vectors;
@@ -65,51 +65,40 @@ impl Encoder {
         self.window
     }
 
-    /// Memory to encode up to `windows` windows at once.
-    pub fn room(&self, windows: usize) -> Room {
-        let columns = windows * self.window;
+    /// Memory to encode a window in.
+    pub fn room(&self) -> Room {
         let widest = self.layers.iter().map(Layer::width).max().unwrap_or(0);
         Room {
-            windows,
-            scaled: alloc::vec![0.0; columns * self.features()],
-            sums: Aligned::zeros(columns * 3 * widest),
-            base: alloc::vec![0.0; windows * self.first_stride()],
-            states: Aligned::zeros(columns * widest),
-            zeros: Aligned::zeros(windows * widest),
-            latents: alloc::vec![0.0; windows * self.latents()],
+            scaled: alloc::vec![0.0; self.window * self.features()],
+            sums: Aligned::zeros(self.window * 3 * widest),
+            base: alloc::vec![0.0; self.first_stride()],
+            states: Aligned::zeros(self.window * widest),
+            zeros: Aligned::zeros(widest),
+            latents: alloc::vec![0.0; self.latents()],
         }
     }
 
-    /// Latent vectors of as many windows as `samples` holds, `[window][sample][feature]`, raw counts; returns
-    /// `[window][latent]`, every value in -1..1.
+    /// The latent vector of a window, `[sample][feature]`, raw counts; every value in -1..1.
     ///
     /// # Errors
-    /// A length that is no whole number of windows or more than the room holds; a value that is not finite.
+    /// Another length than a window's; a value that is not finite.
     pub fn encode<'r>(
         &self,
         room: &'r mut Room,
         samples: &[f32],
     ) -> Result<&'r [f32], SampleError> {
-        let (features, per_window) = (self.features(), self.window * self.features());
-        let windows = (samples.len() / per_window).clamp(1, room.windows);
-        if samples.len() != windows * per_window {
-            return Err(SampleError::Length {
-                expected: windows * per_window,
-                found: samples.len(),
-            });
+        let (features, expected) = (self.features(), room.scaled.len());
+        if samples.len() != expected {
+            let found = samples.len();
+            return Err(SampleError::Length { expected, found });
         }
         for (i, sample) in samples.chunks_exact(features).enumerate() {
-            let (window, at) = (i / self.window, i % self.window);
-            let column = at * windows + window;
-            let out = &mut room.scaled[column * features..][..features];
-            self.scale(sample, i * features, out)?;
+            let first = i * features;
+            self.scale(sample, first, &mut room.scaled[first..][..features])?;
         }
-        self.vectors.dispatch_widest(Whole {
-            encoder: self,
-            room,
-            windows,
-        });
-        Ok(&room.latents[..windows * self.latents()])
+        let encoder = self;
+        self.vectors.dispatch_widest(Whole { encoder, room });
+        Ok(&room.latents)
     }
 
     /// Scales one sample to its training range.
@@ -143,21 +132,19 @@ impl Encoder {
     }
 }
 
-/// Memory for whole windows, made once.
+/// Memory for a window, made once.
 #[derive(Clone, Debug)]
 pub struct Room {
-    pub(super) windows: usize,
-    /// `[sample][window][feature]`.
+    /// `[sample][feature]`.
     scaled: Vec<f32>,
-    /// `[step][window][block][gate][lane]`.
-    pub(super) sums: Aligned,
-    /// The first samples' projections.
+    /// `[step][block][gate][lane]`.
+    sums: Aligned,
+    /// The first sample's projection.
     base: Vec<f64>,
-    /// `[step][window][unit, padded]`.
+    /// `[step][unit, padded]`.
     states: Aligned,
     zeros: Aligned,
-    /// `[window][latent]`.
-    pub(super) latents: Vec<f32>,
+    latents: Vec<f32>,
 }
 
 /// Out of a projection of a sample, one of the window's first sample and the bias: what the first layer's sums
@@ -180,85 +167,54 @@ impl WithSimd for Lanes {
     }
 }
 
-/// Scaled windows in a room, to latents.
+/// The scaled window in a room, to its latent vector.
 struct Whole<'a> {
     encoder: &'a Encoder,
     room: &'a mut Room,
-    windows: usize,
 }
 
 impl WithSimd for Whole<'_> {
     type Output = ();
+
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            encoder,
-            room,
-            windows,
-        } = self;
+        let Self { encoder, room } = self;
         let first = &encoder.layers[0];
-        let (stride, features) = (encoder.first_stride(), encoder.features());
+        let (stride, steps) = (encoder.first_stride(), encoder.window);
         let scaled = Rows {
             values: &room.scaled,
-            stride: features,
+            stride: encoder.features(),
         };
         let (weights, base) = (&*encoder.first, &mut *room.base);
-        kernel::project_wide(simd, first, weights, scaled, windows, |column, at, sums| {
-            base[column * stride + at..][..sums.len()].copy_from_slice(sums);
+        kernel::project_wide(simd, first, weights, scaled, 1, |_, at, sums| {
+            base[at..][..sums.len()].copy_from_slice(sums);
         });
-        let columns = encoder.window * windows;
         let (bias, out) = (first.bias.all(), room.sums.all_mut());
-        kernel::project_wide(simd, first, weights, scaled, columns, |column, at, sums| {
-            let base = &base[(column % windows) * stride + at..];
+        kernel::project_wide(simd, first, weights, scaled, steps, |column, at, sums| {
             let out = &mut out[column * stride + at..][..sums.len()];
-            offset(sums, base, &bias[at..], out);
+            offset(sums, &base[at..], &bias[at..], out);
         });
-        layers(simd, encoder, room, windows);
-    }
-}
-
-/// From the first layer's sums in `room` `[step][window]` through all layers, to `room.latents`.
-#[inline(always)]
-pub(super) fn layers<S: Simd>(simd: S, encoder: &Encoder, room: &mut Room, windows: usize) {
-    let steps = encoder.window;
-    let mut width = 0;
-    for (l, layer) in encoder.layers.iter().enumerate() {
-        if l > 0 {
-            let inputs = Rows {
-                values: room.states.all(),
-                stride: width,
-            };
-            let columns = steps * windows;
-            kernel::project(simd, layer, inputs, columns, room.sums.all_mut());
-        }
-        width = layer.width();
-        let (row, sums_of) = (windows * width, windows * 3 * width);
-        for t in 0..steps {
-            let sums = &room.sums.all()[t * sums_of..][..sums_of];
-            let (before, next) = room.states.all_mut().split_at_mut(t * row);
-            let now = if t == 0 {
-                room.zeros.all()
-            } else {
-                &before[(t - 1) * row..]
-            };
-            if windows == 1 {
+        let mut width = 0;
+        for (l, layer) in encoder.layers.iter().enumerate() {
+            if l > 0 {
+                let inputs = Rows {
+                    values: room.states.all(),
+                    stride: width,
+                };
+                kernel::project(simd, layer, inputs, steps, room.sums.all_mut());
+            }
+            width = layer.width();
+            for t in 0..steps {
+                let sums = &room.sums.all()[t * 3 * width..][..3 * width];
+                let (before, next) = room.states.all_mut().split_at_mut(t * width);
+                let now = match t {
+                    0 => room.zeros.all(),
+                    _ => &before[(t - 1) * width..],
+                };
                 kernel::step_one(simd, layer, sums, now, next, t % 2 == 1);
-            } else {
-                let sums = Input::Summed(Rows {
-                    values: sums,
-                    stride: 3 * width,
-                });
-                kernel::step(simd, layer, sums, now, next, windows);
             }
         }
-    }
-    let latents = encoder.latents();
-    let last = &room.states.all()[(steps - 1) * windows * width..];
-    for (state, out) in last
-        .chunks_exact(width)
-        .zip(room.latents.chunks_exact_mut(latents))
-        .take(windows)
-    {
-        out.copy_from_slice(&state[..latents]);
+        let last = &room.states.all()[(steps - 1) * width..];
+        room.latents.copy_from_slice(&last[..encoder.latents()]);
     }
 }

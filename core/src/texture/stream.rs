@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use pulp::{Simd, WithSimd};
 
-use super::encoder::{Encoder, Room, layers, offset};
+use super::encoder::{Encoder, offset};
 use super::kernel::{self, Input, Rows};
 use super::model::SampleError;
 use super::pack::{Aligned, Layer};
@@ -134,22 +134,6 @@ impl Stream {
             .map(|slot| self.close(slot)))
     }
 
-    /// The latent vectors `[module][latent]` of the window that ends with the newest sample, computed at once from the
-    /// projections that are kept; none before there are enough samples. The same bits as from [`Stream::push`].
-    pub fn newest<'r>(&self, room: &'r mut Room) -> Option<&'r [f32]> {
-        let window = self.encoder.window();
-        if self.seen < window as u64 || room.windows < self.modules {
-            return None;
-        }
-        let first = (self.seen % window as u64) as usize;
-        self.encoder.vectors.dispatch_widest(Newest {
-            stream: self,
-            room,
-            first,
-        });
-        Some(&room.latents[..self.latents.len()])
-    }
-
     /// A slot of zero states.
     fn open(&mut self, start: usize) {
         let slot = self.slots.len();
@@ -241,38 +225,5 @@ impl WithSimd for Hop<'_> {
             }
             begin += group;
         }
-    }
-}
-
-/// The newest window of every module, layer after layer.
-struct Newest<'a> {
-    stream: &'a Stream,
-    room: &'a mut Room,
-    /// The place in the ring of the window's first sample.
-    first: usize,
-}
-
-impl WithSimd for Newest<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            stream,
-            room,
-            first,
-        } = self;
-        let encoder = &*stream.encoder;
-        let (modules, stride) = (stream.modules, encoder.first_stride());
-        let (ring, bias) = (&*stream.ring, encoder.layers[0].bias.all());
-        for t in 0..encoder.window() {
-            let place = (first + t) % encoder.window();
-            for module in 0..modules {
-                let sample = &ring[(place * modules + module) * stride..][..stride];
-                let start = &ring[(first * modules + module) * stride..][..stride];
-                let out = &mut room.sums.all_mut()[(t * modules + module) * stride..][..stride];
-                offset(sample, start, bias, out);
-            }
-        }
-        layers(simd, encoder, room, modules);
     }
 }

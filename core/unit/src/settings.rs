@@ -1,7 +1,7 @@
 //! Settings burnt into a unit, and those that are refused.
 
 use palpate_core::codec::dac7578::CHANNELS;
-use palpate_core::guard::{CurrentControl, Limits, Plant, PlantError};
+use palpate_core::guard::{CurrentControl, Limits, Plant, PlantError, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel};
 
@@ -29,9 +29,9 @@ pub struct Settings<'a> {
     pub limits: Limits,
     /// Boards and wires as the unit's guard knows them.
     pub plant: Plant,
-    /// `true` where the unit's processor bears the guard's thermal rows.
-    pub heat: bool,
-    /// Converters that set the currents; `None` for amplifiers with a current of their own.
+    /// The wire and finger of the guard's thermal rows; `None` where its processor bears none.
+    pub worn: Option<WornWire>,
+    /// What sets the currents; `None` where amplifiers have one of their own.
     pub converters: Option<Converters<'a>>,
 }
 

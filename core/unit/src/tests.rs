@@ -11,7 +11,7 @@ use palpate_core::codec::link::{
     Buffer, Command, HELD, Header, Key, Kind, MOST, Planned, Request, Said, State, Warmth,
 };
 use palpate_core::driver::{Actuators, UnitDriver, UnitFault, UnitSettings};
-use palpate_core::guard::{Cause, CurrentControl, Guard, HARD, Plant};
+use palpate_core::guard::{Cause, CurrentControl, Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
@@ -185,7 +185,7 @@ fn settings<'a>(wires: &'a [DisplayWire], boot: u64) -> Settings<'a> {
         addresses: &[0x40, 0x41],
         limits: HARD,
         plant: Plant::default(),
-        heat: false,
+        worn: None,
         converters: None,
     }
 }
@@ -218,7 +218,7 @@ impl Rig {
             chips,
             air: Air::default(),
             driver: driver(1, true),
-            guard: Guard::new(HARD, Plant::default(), &wires).unwrap(),
+            guard: Guard::new(HARD, Plant::default(), &wires, WornWire::default()).unwrap(),
             now: 0,
             reading: 0,
             cut: false,

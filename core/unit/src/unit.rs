@@ -85,7 +85,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
     ) -> Result<Self, SettingsError> {
         settings.check()?;
         let (limits, plant) = (settings.limits, settings.plant);
-        let mut guard = Guard::last_word(limits, plant, settings.wires, settings.heat)
+        let mut guard = Guard::last_word(limits, plant, settings.wires, settings.worn)
             .map_err(SettingsError::Plant)?;
         let mut bank = Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale);
         if let Some(converters) = &settings.converters {

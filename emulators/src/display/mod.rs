@@ -11,4 +11,4 @@ pub mod solver;
 pub mod wire;
 
 #[cfg(test)]
-mod thermal_tests;
+mod tests;

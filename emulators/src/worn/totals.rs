@@ -19,6 +19,8 @@ pub struct DisplayTotals {
     pub hottest_tissue_c: f64,
     /// Hottest tissue 0.4 mm deep under any wire, degrees C.
     pub hottest_deep_c: f64,
+    /// True if a bow has been past nine tenths of its sag.
+    pub tight: bool,
     /// Largest burn integrals under any wire: Henriques' Omega and minutes at 43 C.
     pub dose: (f64, f64),
 }
@@ -46,6 +48,7 @@ impl DisplayTotals {
             }
             totals.hottest_tissue_c = totals.hottest_tissue_c.max(peaks.shallow_c);
             totals.hottest_deep_c = totals.hottest_deep_c.max(peaks.deep_c);
+            totals.tight |= wire.was_tight(now);
             let dose = wire.dose(now).unwrap_or_default();
             totals.dose.0 = totals.dose.0.max(dose.omega);
             totals.dose.1 = totals.dose.1.max(dose.cem43_min);

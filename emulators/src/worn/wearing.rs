@@ -2,7 +2,6 @@
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 
-use super::START_C;
 use crate::display::wire::Wire;
 use crate::person::channels::{Felt, Perceiver, Person};
 use crate::time::Nanos;
@@ -25,7 +24,7 @@ impl Wearing {
         tissue: &TissueParameters,
         count: usize,
     ) -> Result<Self, ParameterError> {
-        let one = Wire::new(wire, tissue, START_C)?.worn(tissue)?;
+        let one = Wire::new(wire, tissue, tissue.body_c)?.worn(tissue)?;
         Ok(Self {
             wires: vec![one; count],
             perceiver: None,

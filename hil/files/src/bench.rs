@@ -16,6 +16,7 @@ use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
 use super::settings::{bounds, settings};
 use super::source::Source;
+use super::warmth::SKIN_C;
 pub use dac::BenchDac;
 pub use displays::BenchDisplay;
 pub use heat::BenchHeat;
@@ -309,9 +310,7 @@ impl Bench {
         bounds!(source, "mount", bench.mount;
             sag_um: 1.0..=10_000.0, "um";
             preload_mn: 0.0..=100.0, "mN")?;
-        bounds!(source, "tissue", bench.tissue;
-            modulus_kpa: 1.0..=10_000.0, "kPa";
-            contact_um: 1.0..=500.0, "um")?;
+        bench.tissue.check(source)?;
         bench.check_unit(source)?;
         bench.check_heat(source)?;
         bench.check_outputs(source, adapters)?;
@@ -360,6 +359,11 @@ impl Bench {
                 "an emulated bench, or a driver unit: this program drives no bridge"
             }
             (.., [_, ..]) => "one display: a module warms one fingertip",
+            _ if self.tissue.rest_c != SKIN_C => {
+                let expected =
+                    format!("{SKIN_C} with [heat]: the module is modelled on such a finger");
+                return Err(source.bad("tissue.rest_c", expected));
+            }
             _ => return heat.check(source),
         };
         Err(source.bad("heat", without))

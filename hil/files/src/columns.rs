@@ -1,6 +1,7 @@
 //! Columns of a table: what a recording must hold, and which of a file's columns are taken.
 
 use super::layout::SensorLayout;
+use super::order::{Group, groups, is_computed, listed};
 
 /// What a recording of taxels must hold: `taxels` times `axes` columns, `txl1_x,txl1_y,txl1_z,...` (`_z` alone for
 /// one axis).
@@ -71,7 +72,8 @@ impl Columns {
 pub enum Take<'a> {
     /// All of a recording of taxels, under their own names.
     Taxels(&'a Columns),
-    /// So many columns of a header whose names begin with a prefix, in the order of the file.
+    /// So many columns of a header whose names begin with a prefix, in the order of the numbers in them; without numbers in
+    /// the order of the file.
     Counted(&'a str, usize),
     /// The features of a model by their names. Where it names none, or the file has no header: all columns but
     /// times, of which there must be `count`.
@@ -97,6 +99,9 @@ pub(super) struct Taken {
     pub(super) name: String,
 }
 
+/// Columns that are taken, and what is to be said of the choice.
+pub(super) type Chosen = (Vec<Taken>, Option<String>);
+
 /// Columns that say when, not what.
 pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
 
@@ -116,13 +121,26 @@ pub(super) fn shown(field: &str) -> String {
 }
 
 impl Take<'_> {
-    /// The columns to take by the fields of the first line; `time` is that of times.
-    pub(super) fn of(
-        self,
-        first: &[&str],
-        header: bool,
-        time: Option<usize>,
-    ) -> Result<Vec<Taken>, Wrong> {
+    /// How many columns there must be; none where that follows from the file.
+    pub(super) fn count(self) -> Option<usize> {
+        match self {
+            Self::Taxels(columns) => Some(columns.count()),
+            Self::Counted(_, count) | Self::Features { count, .. } => Some(count),
+            Self::Prefixed { .. } => None,
+        }
+    }
+
+    /// The columns to take by the fields of the first line, and what is to be said of the choice; `times` are those of
+    /// times.
+    pub(super) fn of(self, first: &[&str], header: bool, times: &[usize]) -> Result<Chosen, Wrong> {
+        match self {
+            Self::Taxels(columns) => taxels(first, header, columns, times),
+            Self::Counted(prefix, count) if header => counted(first, prefix, count),
+            _ => Ok((self.in_order(first, header)?, None)),
+        }
+    }
+
+    fn in_order(self, first: &[&str], header: bool) -> Result<Vec<Taken>, Wrong> {
         let called = |place: usize| Taken {
             place,
             name: if header {
@@ -136,7 +154,7 @@ impl Take<'_> {
             (0..first.len()).filter(fits).map(called).collect()
         };
         match self {
-            Self::Taxels(columns) => taxels(first, columns, time),
+            Self::Taxels(_) => Ok(Vec::new()),
             Self::Counted(prefix, count) => {
                 let taken = beginning(prefix, &|_| true);
                 if taken.len() == count {
@@ -188,9 +206,48 @@ impl Take<'_> {
     }
 }
 
-/// The columns of a recording of taxels, which has no others but a time and, at the end, joints.
-fn taxels(first: &[&str], columns: &Columns, time: Option<usize>) -> Result<Vec<Taken>, Wrong> {
-    let places = (0..first.len()).filter(|place| Some(*place) != time);
+/// The columns of a recording of taxels.
+fn taxels(
+    first: &[&str],
+    header: bool,
+    columns: &Columns,
+    times: &[usize],
+) -> Result<Chosen, Wrong> {
+    let wrong = match own(first, columns, times) {
+        Ok(taken) => return Ok((taken, None)),
+        Err(wrong) => wrong,
+    };
+    let count = columns.count();
+    if header {
+        let is_value = |place: &usize| !times.contains(place) && !first[*place].starts_with(JOINT);
+        let places: Vec<usize> = (0..first.len()).filter(is_value).collect();
+        return numbered(first, &places, columns)?.ok_or(wrong);
+    }
+    let before = first
+        .len()
+        .checked_sub(count)
+        .filter(|before| *before <= MOST_BEFORE);
+    let Some(before) = before else {
+        return Err((None, columns.expected(), first.len().to_string()));
+    };
+    let taken = (before..first.len())
+        .enumerate()
+        .map(|(index, place)| Taken {
+            place,
+            name: columns.name(index),
+        });
+    let note = format!(
+        "no heading: {} columns are `{}`, `{}` and so on, in the layout's order",
+        if before == 0 { "all" } else { "the last" },
+        columns.name(0),
+        columns.name(1)
+    );
+    Ok((taken.collect(), Some(note)))
+}
+
+/// Columns under the layout's own names in their order, with no others but times and joints.
+fn own(first: &[&str], columns: &Columns, times: &[usize]) -> Result<Vec<Taken>, Wrong> {
+    let places = (0..first.len()).filter(|place| !times.contains(place));
     let mut taken = Vec::new();
     for (index, place) in places.enumerate() {
         if index == columns.count() {
@@ -213,9 +270,88 @@ fn taxels(first: &[&str], columns: &Columns, time: Option<usize>) -> Result<Vec<
         taken.push(Taken { place, name });
     }
     let joints = first.iter().filter(|name| name.starts_with(JOINT)).count();
-    let found = first.len() - usize::from(time.is_some()) - joints;
+    let found = first.len() - times.len() - joints;
     if found != columns.count() {
         return Err((None, columns.expected(), found.to_string()));
     }
     Ok(taken)
+}
+
+/// Most columns before the values of a table without a heading: a number and a time.
+pub(super) const MOST_BEFORE: usize = 2;
+
+/// Columns that numbers in their names put in an order; none where there are no such.
+fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Option<Chosen>, Wrong> {
+    let count = columns.count();
+    let all = groups(places.iter().map(|place| (*place, first[*place])));
+    let is_of_axes = |group: &&Group| columns.axes == 3 || !group.has_axes;
+    let mut fit: Vec<&Group> = all.iter().filter(is_of_axes).collect();
+    let is_whole = |group: &&Group| group.places.len() == count;
+    if fit.iter().any(is_whole) {
+        fit.retain(is_whole);
+        if fit.len() > 1 {
+            fit.retain(|group| !is_computed(&group.pattern));
+        }
+        if fit.len() != 1 {
+            let expected = format!("one group of {count} columns (--columns PREFIX chooses)");
+            let found: Vec<&Group> = all.iter().filter(is_whole).collect();
+            return Err((None, expected, listed(&found)));
+        }
+    } else {
+        // Modules side by side, each with as many.
+        let most = fit
+            .iter()
+            .map(|group| group.places.len())
+            .max()
+            .unwrap_or(0);
+        fit.retain(|group| group.places.len() == most);
+        if fit.len() < 2 || most * fit.len() != count {
+            return Ok(None);
+        }
+    }
+    let taken = fit
+        .iter()
+        .flat_map(|group| &group.places)
+        .map(|place| Taken {
+            place: *place,
+            name: first[*place].to_owned(),
+        });
+    Ok(Some((taken.collect(), Some(told(&fit, columns)))))
+}
+
+/// How columns were put in order.
+fn told(groups: &[&Group], columns: &Columns) -> String {
+    let patterns: Vec<String> = groups.iter().map(|g| format!("`{}`", g.pattern)).collect();
+    let mut text = format!(
+        "columns {} are the readings, in the order of the numbers in their names",
+        patterns.join(", then ")
+    );
+    if groups.iter().any(|group| group.is_mended()) {
+        text += ", which is not that of the file";
+    }
+    if columns.axes == 3 && groups.iter().any(|group| !group.has_axes) {
+        text += "; x, y and z of a taxel are taken to stand side by side";
+    }
+    text
+}
+
+/// Columns by a prefix, in the order of the numbers in their names.
+fn counted(first: &[&str], prefix: &str, count: usize) -> Result<Chosen, Wrong> {
+    let taken = Take::Counted(prefix, count).in_order(first, true)?;
+    let all = groups(taken.iter().map(|t| (t.place, first[t.place])));
+    let [group] = all.as_slice() else {
+        return Ok((taken, None));
+    };
+    if group.places.len() != count || !group.is_mended() {
+        return Ok((taken, None));
+    }
+    let mended = group.places.iter().map(|place| Taken {
+        place: *place,
+        name: first[*place].to_owned(),
+    });
+    let note = format!(
+        "columns `{}` are taken in the order of the numbers in their names, which is not that of the file",
+        group.pattern
+    );
+    Ok((mended.collect(), Some(note)))
 }

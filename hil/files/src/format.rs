@@ -27,7 +27,7 @@ pub enum Format {
     Xml,
     /// A JSON object or array, no schedule.
     Json,
-    /// Columns between commas, no contacts.
+    /// Columns between commas, semicolons, tabs or blanks, no contacts.
     Csv,
     /// TOML: a scene, bench, layout.
     Toml,
@@ -37,12 +37,16 @@ pub enum Format {
     Onnx,
     /// An array of NumPy.
     Numpy,
-    /// A picture, an archive, a program: what begins with bytes that are no text. The name says which.
+    /// Arrays of NumPy in an archive.
+    Npz,
+    /// Arrays of MATLAB, version 5.
+    Matlab,
+    /// What is not read: a picture, an archive, a log of another program. The name says which, and how to convert it.
     Binary(&'static str),
 }
 
 /// Binary formats by what they begin with.
-const MAGIC: [(&[u8], Format); 12] = [
+const MAGIC: [(&[u8], Format); 20] = [
     (b"\x89MCAP0\r\n", Format::Mcap),
     (b"\x1f\x8b", Format::Binary("gzip (unpack it first)")),
     (
@@ -54,19 +58,70 @@ const MAGIC: [(&[u8], Format); 12] = [
         Format::Binary("a zip archive or spreadsheet"),
     ),
     (b"\xD0\xCF\x11\xE0", Format::Binary("an old spreadsheet")),
-    (b"\x89HDF", Format::Binary("HDF5")),
+    (b"\x89HDF", Format::Binary(HDF5)),
+    (b"PAR1", Format::Binary(PARQUET)),
     (b"\x93NUMPY", Format::Numpy),
+    (b"MATLAB 5.0", Format::Matlab),
+    (
+        b"MATLAB 7.3",
+        Format::Binary("a MATLAB 7.3 file (save it again with `save -v7`)"),
+    ),
     (b"\x89PNG", Format::Binary("a PNG picture")),
     (b"%PDF", Format::Binary("a PDF")),
     (b"\x7fELF", Format::Binary("a program")),
-    (b"SQLite format 3", Format::Binary("an SQLite data base")),
-    (b"#ROSBAG", Format::Binary("a ROS 1 bag")),
+    (
+        b"SQLite format 3",
+        Format::Binary("an SQLite data base (of a bag: mcap convert FILE.db3 FILE.mcap)"),
+    ),
+    (
+        b"#ROSBAG",
+        Format::Binary("a ROS 1 bag (mcap convert FILE.bag FILE.mcap)"),
+    ),
+    (
+        b"\0\0\0\0\0\0\0\x01\x49",
+        Format::Binary("an FST dump (fst2vcd FILE.fst > FILE.vcd)"),
+    ),
+    (
+        b"GHDLwave",
+        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --vcd=FILE.vcd)"),
+    ),
+    (
+        b"LOGG",
+        Format::Binary("a Vector log (python -m can.logconvert FILE.blf FILE.log)"),
+    ),
+    (
+        b"MDF     ",
+        Format::Binary("an MDF log (python -m can.logconvert FILE.mf4 FILE.log)"),
+    ),
+    (
+        b";$FILEVERSION",
+        Format::Binary("a PCAN trace (python -m can.logconvert FILE.trc FILE.log)"),
+    ),
 ];
+
+const HDF5: &str = "HDF5 (python -c \"import h5py, numpy; numpy.savetxt('FILE.csv', h5py.File('FILE.h5')['DATASET'], \
+                    delimiter=',')\")";
+const PARQUET: &str = "Parquet (python -c \"import pandas; pandas.read_parquet('FILE.parquet').to_csv('FILE.csv', index=False)\")";
+/// CAN logs of others by what their text begins with.
+const CAN_TEXTS: [(&str, &str); 3] = [
+    ("// version", ASC),
+    (
+        "timestamp,arbitration_id,",
+        "CSV of python-can (python -m can.logconvert FILE.csv FILE.log)",
+    ),
+    ("Time Stamp,ID,Extended,", GVRET),
+];
+const ASC: &str = "a Vector log (asc2log -I FILE.asc -O FILE.log)";
+const GVRET: &str = "a GVRET log of SavvyCAN (awk -F, '$3==\"false\"{d=\"\";for(i=7;i<7+$6;i++)d=d $i; \
+                     printf \"(%.6f) can%d %s#%s\\n\",$1/1e6,$5,substr($2,length($2)-2),d}' FILE.csv > FILE.log)";
 
 impl Format {
     /// The format of a file that begins so; none of an empty one, and of text without a mark.
     #[must_use]
     pub fn of(start: &[u8]) -> Option<Self> {
+        if start.starts_with(b"PK\x03\x04") && start.windows(4).take(256).any(|w| w == b".npy") {
+            return Some(Self::Npz);
+        }
         let magic = MAGIC.iter().find(|(magic, _)| start.starts_with(magic));
         if let Some((_, format)) = magic {
             return Some(*format);
@@ -106,8 +161,14 @@ impl Format {
         if body.starts_with("palpate ") && body.lines().next()?.contains(" of ") {
             return Some(Self::Golden);
         }
-        if begins("(") && first.contains(") ") {
+        if is_candump(text) {
             return Some(Self::Candump);
+        }
+        if begins("date ") && text.lines().nth(1)?.starts_with("base ") {
+            return Some(Self::Binary(ASC));
+        }
+        if let Some((_, log)) = CAN_TEXTS.iter().find(|(start, _)| begins(start)) {
+            return Some(Self::Binary(log));
         }
         let vcd = ["$date", "$version", "$timescale", "$comment", "$scope"];
         if vcd.iter().any(|word| begins(word)) {
@@ -144,7 +205,16 @@ impl Format {
         if key(heading) || (heading.starts_with('[') && heading.ends_with(']')) {
             return Some(Self::Toml);
         }
-        heading.contains(',').then_some(Self::Csv)
+        let are_numbers = |line: &str| {
+            let words: Vec<_> = line.split_whitespace().collect();
+            words.len() > 1
+                && words
+                    .iter()
+                    .all(|w| w.replace(',', ".").parse::<f64>().is_ok())
+        };
+        // A heading of names between blanks has numbers below it.
+        let is_table = heading.contains([',', ';', '\t']) || lines().take(2).any(are_numbers);
+        is_table.then_some(Self::Csv)
     }
 
     /// The format of a record by the ending of its name; none for other endings.
@@ -183,7 +253,13 @@ impl Format {
     pub const fn is_text(self) -> bool {
         !matches!(
             self,
-            Self::Mcap | Self::Safetensors | Self::Onnx | Self::Numpy | Self::Binary(_)
+            Self::Mcap
+                | Self::Safetensors
+                | Self::Onnx
+                | Self::Numpy
+                | Self::Npz
+                | Self::Matlab
+                | Self::Binary(_)
         )
     }
 
@@ -207,9 +283,25 @@ impl Format {
             Self::Safetensors => "a model (safetensors)",
             Self::Onnx => "a model (ONNX)",
             Self::Numpy => "a NumPy array",
+            Self::Npz => "NumPy arrays (.npz)",
+            Self::Matlab => "MATLAB arrays",
             Self::Binary(what) => what,
         }
     }
+}
+
+/// Whether the first line that is no remark is one of candump's: a log's, or a terminal's.
+fn is_candump(text: &str) -> bool {
+    let is_remark = |line: &&str| line.is_empty() || line.starts_with('#');
+    let mut lines = text.lines().map(str::trim);
+    let line = lines.find(|line| !is_remark(line)).unwrap_or_default();
+    let is_length = |word: &str| {
+        let inner = word.strip_prefix('[').and_then(|w| w.strip_suffix(']'));
+        inner.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let is_timed = line.starts_with('(') && line.contains(") ");
+    let in_columns = || line.split_whitespace().skip(2).take(4).any(is_length);
+    is_timed || line.starts_with("DROPCOUNT: ") || (!line.contains(['=', ',', '$']) && in_columns())
 }
 
 /// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself. Editors may have put a

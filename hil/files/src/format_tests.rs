@@ -8,6 +8,12 @@ fn formats_are_told_by_their_first_bytes() {
         (&b"\x89MCAP0\r\n\x01"[..], Some(Format::Mcap)),
         (b"(1436509052.249713) can0 104#93\n", Some(Format::Candump)),
         (
+            b"# restarted\n(1436509052.249713) can0 104#93\n",
+            Some(Format::Candump),
+        ),
+        (b"  can0  104   [1]  93\n", Some(Format::Candump)),
+        (b"DROPCOUNT: dropped 3 CAN frames", Some(Format::Candump)),
+        (
             b"{\"version\":1,\"seed\":1,\"scene_digest\":\"8\"}\n{",
             Some(Format::Schedule),
         ),
@@ -45,6 +51,13 @@ fn formats_are_told_by_their_first_bytes() {
         b"\x1f\x8b\x08",
         b"PK\x03\x04",
         b"\xFF\xFEt\0",
+        b"date Sun Mar 1 12:00:00 pm 2026\nbase hex  timestamps absolute\n",
+        b";$FILEVERSION=2.0\n",
+        b"LOGG\x90\0\0\0",
+        b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1\n",
+        b"PAR1\x15\x04",
+        b"\0\0\0\0\0\0\0\x01\x49\0",
+        b"GHDLwave\n",
     ] {
         assert!(matches!(Format::of(start), Some(Format::Binary(_))));
     }

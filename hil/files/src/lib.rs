@@ -8,28 +8,39 @@
 
 mod activation;
 mod address;
+mod arrays;
 mod attached;
 mod bench;
 mod change;
 mod check;
+mod clock;
 mod columns;
+mod dialect;
 mod error;
 mod fault;
 mod felt;
 mod finger;
 mod format;
+mod gain;
+mod guarded;
 mod hardware;
 mod illusion;
 mod joint;
 mod layout;
 mod limits;
 mod loaded;
+mod made;
+mod messages;
 mod migrate;
 mod module;
 mod mount;
 mod near;
+mod number;
+mod objects;
+mod order;
 mod overrides;
 mod own_bench;
+mod pace;
 mod person;
 mod placeholder;
 mod plain;
@@ -70,12 +81,14 @@ pub use bench::{
     ExternalClock, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
+pub use clock::Timing;
 pub use columns::{Columns, JOINT, Take};
 pub use error::{FileError, said, unnumbered};
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
 pub use format::{Format, headed};
+pub use gain::Gain;
 pub use illusion::{Illusion, SceneStroke};
 pub use joint::{Gate, Joint, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
@@ -84,12 +97,15 @@ pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
     load_protocol, load_scene, load_textures, load_wire,
 };
+pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
+pub use number::Number;
 pub use overrides::Overrides;
 pub use own_bench::DEFAULT_BENCH;
+pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
 pub use play::PlayEntry;
@@ -101,13 +117,14 @@ pub use protocol::{
 };
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{
-    LONGEST_LINE, Lines, Text, entries, format_of, is_stream, open, read_bytes, read_text,
+    LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,
+    read_text,
 };
 pub use resolve::{FileKind, resolve, resolve_from};
-pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
+pub use rows::{Input, RowAt, Rows};
 pub use scene::{
-    Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, Scene,
-    THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
+    Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
+    Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
 pub use setup::{Finger, Setup, Stroked, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
@@ -119,5 +136,5 @@ pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times}
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
 pub use warmth::{SKIN_C, SceneMaterial, warmth_c};
-pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
+pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile, WireState};
 pub use words::{axes_named, norm, scope};

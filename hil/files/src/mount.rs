@@ -1,5 +1,6 @@
 //! How a bench's wires sit on the finger, and the finger itself.
 
+use palpate_core::guard::WornWire;
 use palpate_core::physics::{DEEPEST, Ends, Mount, TissueParameters};
 
 use super::error::FileError;
@@ -22,13 +23,15 @@ settings! {
 }
 
 settings! {
-    /// The finger as an elastic body. Left out: assumed values.
+    /// The finger under the wires. Left out: assumed values.
     #[derive(Copy)]
     pub struct BenchTissue {
         /// Young's modulus, kPa.
         pub modulus_kpa: f64 = 100.0,
         /// Width of the strip on which wire and skin touch, micrometres.
         pub contact_um: f64 = 60.0,
+        /// The finger at rest, degrees C: the warmest that it may be. The guard counts from here.
+        pub rest_c: f64 = 33.0,
     }
 }
 
@@ -54,12 +57,22 @@ impl BenchMount {
 }
 
 impl BenchTissue {
-    /// As the model takes it: heat as ever.
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        let (coldest, warmest) = WornWire::REST_MC.into_inner();
+        let celsius = |mc: u32| f64::from(mc) / 1e3;
+        bounds!(source, "tissue", self;
+            modulus_kpa: 1.0..=10_000.0, "kPa";
+            contact_um: 1.0..=500.0, "um";
+            rest_c: celsius(coldest)..=celsius(warmest), "C: the guard has rows of heat for no other finger")
+    }
+
+    /// As the model takes it.
     #[must_use]
     pub fn parameters(&self) -> TissueParameters {
         TissueParameters {
             modulus_pa: self.modulus_kpa * 1e3,
             contact_width_m: self.contact_um / 1e6,
+            body_c: self.rest_c,
             ..TissueParameters::DEFAULT
         }
     }

@@ -48,6 +48,18 @@ fn nonsense_is_named_with_key_and_range() {
             "[tissue]\nmodulus_kpa = 0",
             "tissue.modulus_kpa: expected a number from 1 to 10000 kPa",
         ),
+        (
+            "[tissue]\nrest_c = 25.9",
+            "b.toml:4: tissue.rest_c: expected a number from 26 to 36 C: the guard has rows of heat for no other finger, found 25.9",
+        ),
+        (
+            "[tissue]\nrest_c = 36.1",
+            "tissue.rest_c: expected a number from 26 to 36 C",
+        ),
+        (
+            "[tissue]\nrest_c = 32.9\n[heat]",
+            "tissue.rest_c: expected 33 with [heat]: the module is modelled on such a finger",
+        ),
     ] {
         let error = bench(tables).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
@@ -66,4 +78,35 @@ fn nonsense_is_named_with_key_and_range() {
         error.contains("mount.sag_um: expected a number from 1 to 1000 um"),
         "{error}"
     );
+}
+
+#[test]
+fn a_finger_is_colder_than_every_row_of_its_limits() {
+    let (coldest, warmest) = (
+        bench("[tissue]\nrest_c = 26"),
+        bench("[tissue]\nrest_c = 36"),
+    );
+    for (bench, rest_c) in [(coldest, 26.0), (warmest, 36.0)] {
+        let body_c = bench.unwrap().tissue.parameters().body_c;
+        assert!((body_c - rest_c).abs() < 1e-12, "{body_c}");
+    }
+    let folder = std::env::temp_dir().join(format!("palpate-rest-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let limits = "name = \"l\"\ndescription = \"L\"\n[skin]\nmean_10s_c = 35\n";
+    std::fs::write(folder.join("limits.toml"), limits).unwrap();
+    let file = folder.join("bench.toml");
+    let load = |rest_c: f64| {
+        let bench = format!(
+            "name = \"b\"\ndescription = \"B\"\nlimits = \"limits.toml\"\ntissue.rest_c = {rest_c:?}\n"
+        );
+        std::fs::write(&file, bench).unwrap();
+        let error = Setup::load("idle", file.to_str().unwrap()).err();
+        error.map(|e| e.to_string())
+    };
+    let (below, at) = (load(34.9), load(35.0));
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(below, None);
+    let said =
+        "bench.toml:4: tissue.rest_c: expected less than 35, the lowest row of [skin] in `l`";
+    assert!(at.as_ref().is_some_and(|at| at.contains(said)), "{at:?}");
 }

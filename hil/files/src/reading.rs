@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use super::dialect::is_remark;
 use super::error::{FileError, said};
 use super::format::Format;
 
@@ -15,6 +16,8 @@ use super::format::Format;
 pub const MOST_SETTINGS: u64 = 2 << 20;
 /// Longest line of a text, bytes, where its columns do not ask for more.
 pub const LONGEST_LINE: usize = 1 << 20;
+/// Most values of a table that is held as a whole: six hours of 48 columns at 40 Hz.
+pub const MOST_VALUES: usize = 40 << 20;
 /// Longest run of NUL bytes that counts as the tail of a power cut.
 const MOST_NULS: u64 = 64 << 20;
 /// So much of a file tells its format.
@@ -341,23 +344,60 @@ impl<R: Read> Lines<R> {
         start.map_err(|e| FileError::of_io(self.label(), "a readable file", e))
     }
 
+    /// The text that is at hand and was not read yet, up to the first byte that is none.
+    ///
+    /// # Errors
+    /// As [`Lines::advance`].
+    pub(super) fn start(&mut self) -> Result<&str, FileError> {
+        let label = self.text.get_ref().label.clone();
+        let start = self.text.fill_buf();
+        let start = start.map_err(|e| FileError::of_io(&label, "a readable file", e))?;
+        let text = start.utf8_chunks().next();
+        Ok(text.map_or("", |chunk| chunk.valid()))
+    }
+
+    /// The next line that holds something and is no remark, as [`Lines::advance`] gives it.
+    ///
+    /// # Errors
+    /// As [`Lines::advance`].
+    pub(super) fn next_row(&mut self) -> Result<Option<(usize, &str)>, FileError> {
+        while self.fetch()? {
+            if !is_remark(&self.line) {
+                return self.text_of_line().map(Some);
+            }
+        }
+        Ok(None)
+    }
+
     /// The next line and its number, from 1, without its end; none at the end of the text. The
     /// line that NULs cut short is left out.
     ///
     /// # Errors
     /// A line that is too long or no UTF-8, NULs before the end, what the system says.
     pub fn advance(&mut self) -> Result<Option<(usize, &str)>, FileError> {
+        match self.fetch()? {
+            true => self.text_of_line().map(Some),
+            false => Ok(None),
+        }
+    }
+
+    /// Whether there is a next line; its bytes are in `line`.
+    fn fetch(&mut self) -> Result<bool, FileError> {
         self.line.clear();
         let read = self.text.read_until(b'\n', &mut self.line);
         let read = read.map_err(|e| FileError::of_io(self.label(), "a readable file", e))?;
         let torn = !self.line.ends_with(b"\n") && self.text.get_ref().nuls > 0;
         if read == 0 || torn {
-            return Ok(None);
+            return Ok(false);
         }
         self.number += 1;
+        Ok(true)
+    }
+
+    fn text_of_line(&self) -> Result<(usize, &str), FileError> {
         let line = self.line.as_slice();
         match std::str::from_utf8(line) {
-            Ok(line) => Ok(Some((self.number, line.trim_end_matches(['\n', '\r'])))),
+            Ok(line) => Ok((self.number, line.trim_end_matches(['\n', '\r']))),
             Err(error) => Err(FileError {
                 line: Some(self.number),
                 ..FileError::whole(

@@ -1,73 +1,31 @@
-//! Tables of numbers from CSV, row by row: recordings of taxels, ours and those of other programs.
+//! Tables of numbers row by row, as text or as arrays: recordings of taxels, ours and those of other programs.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::columns::{TIMES, Take, Taken, Wrong, shown};
+use super::arrays;
+use super::clock::{Beginning, Clock, Timing};
+use super::columns::{MOST_BEFORE, Take, Taken, Wrong, shown};
+use super::dialect::{Dialect, Fields, Row, is_remark, is_value};
 use super::error::FileError;
 use super::format::Format;
-use super::reading::{LONGEST_LINE, Lines, Text};
-use super::times::{OutOfTime, TimeColumn, TimeUnit, Times};
+use super::gain::Gain;
+use super::made::Made;
+use super::messages;
+use super::number::Number;
+use super::objects;
+use super::reading::{LONGEST_LINE, Lines, MOST_VALUES, Text, format_of, open};
+use super::times::{OutOfTime, TimeUnit, Times};
 
-/// Most values of a table that is held as a whole: six hours of 48 columns at 40 Hz.
-pub const MOST_VALUES: usize = 40 << 20;
-
-/// When the rows of a table came.
-#[derive(Clone, Debug, Default)]
-pub struct Timing {
-    /// The column that says so; none: a first column `time_us`.
-    pub column: Option<TimeColumn>,
-    /// Rows per second where no column says so.
-    pub rate_hz: Option<f64>,
-    /// Whether jumps of the clock are taken out.
-    pub split_jumps: bool,
-}
-
-/// A number that a table may hold.
-pub trait Number: Sized {
-    /// What messages call it.
-    const EXPECTED: &'static str;
-
-    /// The number in a field.
-    fn read(field: &str) -> Option<Self>;
-}
-
-impl Number for u16 {
-    const EXPECTED: &'static str = "a whole count from 0 to 65535";
-
-    /// Also written as `49202.0`.
-    fn read(field: &str) -> Option<Self> {
-        if let Ok(count) = field.parse() {
-            return Some(count);
-        }
-        let value: f64 = field.parse().ok()?;
-        let whole = (0.0..=65_535.0).contains(&value) && (value - libm::floor(value)).abs() <= 0.0;
-        // In range and whole: the cast changes nothing.
-        whole.then_some(value as Self)
-    }
-}
-
-impl Number for f32 {
-    const EXPECTED: &'static str = "a finite number";
-
-    fn read(field: &str) -> Option<Self> {
-        field.parse().ok().filter(|v: &Self| v.is_finite())
-    }
-}
-
-/// Where times come from.
-#[derive(Clone, Debug)]
-enum Clock {
-    Column(usize, TimeColumn),
-    Rate(f64),
-    /// Times are of no interest.
-    None,
-}
+/// What a table is read from.
+pub type Input = Box<dyn Read + Send>;
 
 /// A table, row by row.
 #[derive(Debug)]
 pub struct Rows<R> {
+    /// How errors name the file.
+    label: String,
     lines: Lines<R>,
     taken: Vec<Taken>,
     clock: Clock,
@@ -76,11 +34,13 @@ pub struct Rows<R> {
     stated: bool,
     /// Fields per row.
     width: usize,
-    /// Those of the row that is read.
     fields: Fields,
-    /// A first line that is data already.
-    pending: Option<String>,
+    /// A first line that is data already, and its number.
+    pending: Option<(usize, String)>,
     count: usize,
+    /// How columns and times were found, where the file does not say it as ours do.
+    notes: Vec<String>,
+    gain: Option<Gain>,
 }
 
 /// Where and when a row stands.
@@ -92,21 +52,107 @@ pub struct RowAt {
     pub time_us: u64,
 }
 
-impl Rows<File> {
-    /// Opens a file.
+impl Rows<Input> {
+    /// Opens a file: text, JSON Lines, or an array of NumPy or MATLAB.
     ///
     /// # Errors
-    /// A file that cannot be read or is no CSV, wrong columns, no times where they are wanted.
+    /// A file that cannot be read or holds no table, wrong columns, no times where they are wanted.
     pub fn open(path: &Path, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
-        let count = match take {
-            Take::Taxels(columns) => columns.count(),
-            Take::Features { count, .. } | Take::Counted(_, count) => count,
-            Take::Prefixed { .. } => 0,
-        };
+        let label = path.display().to_string();
+        let count = take.count().unwrap_or(0);
         // A million taxels have a header of 40 MB.
         let longest = count.saturating_mul(40).max(LONGEST_LINE);
-        Self::over(Text::open(path, "a readable file", longest)?, take, timing)
+        let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
+        let (input, note): (Input, _) = match format_of(path) {
+            Some(Format::Numpy | Format::Npz | Format::Matlab) => {
+                let array = arrays::read(path, count, rest_rows)?;
+                let note = array.note();
+                (Box::new(Made::of(array)), note)
+            }
+            Some(Format::Json) => {
+                let file = open(path, "a readable file")?;
+                let objects = objects::Objects::new(file, &label);
+                (Box::new(Made::of(objects)), None)
+            }
+            Some(Format::Mcap) => {
+                let messages = messages::Messages::open(path)?;
+                let note = messages.note();
+                (Box::new(Made::of(messages)), Some(note))
+            }
+            _ => (Box::new(text(path)?), None),
+        };
+        let mut rows = Self::over(Text::new(label, input, longest), take, timing)?;
+        rows.notes.extend(note);
+        Ok(rows)
     }
+}
+
+/// A file of text.
+fn text(path: &Path) -> Result<File, FileError> {
+    if let Some(format) = format_of(path).filter(|f| !f.is_text()) {
+        let label = path.display().to_string();
+        return Err(FileError::whole(label, "a recording", format.noun()));
+    }
+    open(path, "a readable file")
+}
+
+/// What a table begins with: remarks, a heading or none, and the first row.
+struct Head {
+    line: usize,
+    /// The first line that is no remark.
+    first: String,
+    /// The names of the columns; none where there is no heading.
+    names: Option<Vec<String>>,
+    /// Whether the first line is a row.
+    is_row: bool,
+}
+
+/// Finds the heading: the first line, if one of its fields is no value, or the last remark before it, if it has as many
+/// fields and none is a value, as `numpy.savetxt` writes one.
+fn head<R: Read>(lines: &mut Lines<R>, fields: &mut Fields) -> Result<Head, FileError> {
+    let mut remark = String::new();
+    let (line, first) = loop {
+        match lines.advance()? {
+            Some((_, text)) if is_remark(text) => {
+                if !text.trim().is_empty() {
+                    remark = text
+                        .trim()
+                        .trim_start_matches(['#', '%', '/'])
+                        .trim()
+                        .to_owned();
+                }
+            }
+            Some((number, text)) => break (number, text.to_owned()),
+            None => {
+                let found = "an empty file";
+                return Err(FileError::whole(lines.label(), "a header and rows", found));
+            }
+        }
+    };
+    let row = fields.split(&first);
+    let (is_row, width) = (row.iter().all(is_value), row.count());
+    let mut names: Option<Vec<String>> = None;
+    if !is_row {
+        names = Some(row.iter().map(str::to_owned).collect());
+    } else if !remark.is_empty() {
+        let row = fields.split(&remark);
+        if row.count() == width && row.iter().all(|name| !is_value(name)) {
+            names = Some(row.iter().map(str::to_owned).collect());
+        }
+    }
+    // Some programs end each line with a separator.
+    if let Some(names) = &mut names
+        && names.len() > 1
+        && names.last().is_some_and(String::is_empty)
+    {
+        names.pop();
+    }
+    Ok(Head {
+        line,
+        first,
+        names,
+        is_row,
+    })
 }
 
 impl<R: Read> Rows<R> {
@@ -120,46 +166,65 @@ impl<R: Read> Rows<R> {
         if let Some(format) = lines.format()?.filter(|f| *f != Format::Csv) {
             return Err(FileError::whole(&label, "a recording (CSV)", format.noun()));
         }
-        let (line, first) = loop {
-            match lines.advance()? {
-                Some((_, text)) if text.trim().is_empty() => {}
-                Some((number, text)) => break (number, text.to_owned()),
-                None => {
-                    let found = "an empty file";
-                    return Err(FileError::whole(label, "a header and rows", found));
-                }
-            }
-        };
+        let start = lines.start()?.to_owned();
+        let dialect = Dialect::of(&start);
+        let mut fields = Fields::new(dialect);
+        let head = head(&mut lines, &mut fields)?;
         let at = |(key, expected, found): Wrong| FileError {
             path: label.clone(),
-            line: Some(line),
+            line: Some(head.line),
             key,
             expected,
             found,
         };
-        let record = Fields::of(&first);
-        let fields: Vec<&str> = record.iter().collect();
-        let header = fields.iter().any(|field| f32::read(field).is_none());
-        let clock = timing.map_or(Ok(Clock::None), |t| t.clock(&fields));
-        let clock = clock.map_err(at)?;
-        let own = match &clock {
-            Clock::Column(place, _) => Some(*place),
-            _ => None,
+        let row = fields.split(&head.first);
+        // One field more, an empty one, where each line ends with a separator.
+        let width =
+            row.count() - usize::from(row.count() > 1 && row.get(row.count() - 1).is_empty());
+        let bare: Vec<&str> = row.iter().take(width).collect();
+        let names: Option<Vec<&str>> = head
+            .names
+            .as_ref()
+            .map(|names| names.iter().map(String::as_str).collect());
+        let has_heading = names.is_some();
+        let count = take.count().unwrap_or(width);
+        let rows = beginning(&start, dialect, has_heading && !head.is_row);
+        let table = Beginning {
+            names: names.as_deref(),
+            rows: &rows,
+            before: width
+                .checked_sub(count)
+                .filter(|n| *n <= MOST_BEFORE)
+                .unwrap_or(0),
         };
-        let taken = take.of(&fields, header, own).map_err(at)?;
+        let clock = timing.map_or(Ok((Clock::None, None)), |t| t.clock(&table));
+        let (clock, clock_note) = clock.map_err(at)?;
+        let first = names.as_deref().unwrap_or(&bare);
+        let (taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
         if matches!((&clock, timing), (Clock::None, Some(_))) {
             let expected = "a first column time_us, or a rate (--rate HZ), or --time COLUMN:UNIT";
             return Err(at((None, expected.into(), "neither".into())));
         }
+        let gain = timing.and_then(|timing| timing.gain);
+        if let (Take::Taxels(_), None) = (take, gain) {
+            let places: Vec<usize> = taken.iter().map(|t| t.place).collect();
+            Gain::needless(&rows, &places)
+                .map_err(|(expected, found)| at((None, expected, found)))?;
+        }
+        let notes = [order_note, clock_note].into_iter().flatten();
+        let is_plain = matches!(&clock, Clock::Column(_, column) if column.unit == TimeUnit::Us);
         Ok(Self {
+            notes: notes.map(|note| format!("{label}: {note}")).collect(),
+            stated: !is_plain || timing.is_none_or(|t| t.column.is_some()),
             taken,
             clock,
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
-            stated: timing.is_none_or(|t| t.column.is_some()),
-            width: fields.len(),
-            fields: Fields::none(),
-            pending: (!header).then(|| first.clone()),
+            width: first.len(),
+            pending: head.is_row.then(|| (head.line, head.first.clone())),
+            fields: Fields::new(dialect),
             count: 0,
+            gain,
+            label,
             lines,
         })
     }
@@ -170,81 +235,56 @@ impl<R: Read> Rows<R> {
     /// The first line that is no row, with its column; a table without a row.
     pub fn advance<V: Number>(&mut self, values: &mut Vec<V>) -> Result<Option<RowAt>, FileError> {
         values.clear();
-        let label = self.lines.label().to_owned();
-        let at = |line: usize, (key, expected, found): Wrong| FileError {
-            path: label.clone(),
+        let pending = self.pending.take();
+        let (line, text) = match &pending {
+            Some((line, text)) => (*line, text.as_str()),
+            None => match self.lines.next_row()? {
+                Some(row) => row,
+                None if self.count == 0 => {
+                    let found = "a header alone";
+                    let label = self.lines.label();
+                    return Err(FileError::whole(label, "at least one row", found));
+                }
+                None => {
+                    self.look_at_times(true)?;
+                    return Ok(None);
+                }
+            },
+        };
+        let row = self.fields.split(text);
+        let read = read_row(row, (self.width, self.gain), &self.taken, values);
+        let time = read.and_then(|()| match &self.clock {
+            Clock::None => Ok(None),
+            // Frame numbers are far below 2^53, so the product is exact enough to round.
+            Clock::Rate(rate) => Ok(Some(libm::round(self.count as f64 * 1e6 / rate) as u64)),
+            clock => clock.micros(row, self.stated).map(Some),
+        });
+        let wrong = |(key, expected, found): Wrong| FileError {
+            path: self.label.clone(),
             line: Some(line),
             key,
             expected,
             found,
         };
-        let pending = self.pending.take();
-        let (line, text) = match &pending {
-            Some(text) => (1, text.as_str()),
-            None => loop {
-                match self.lines.advance()? {
-                    Some((_, text)) if text.trim().is_empty() => {}
-                    Some(row) => break row,
-                    None if self.count == 0 => {
-                        let found = "a header alone";
-                        return Err(FileError::whole(label, "at least one row", found));
-                    }
-                    None => {
-                        self.look_at_times(true)?;
-                        return Ok(None);
-                    }
+        let mut time_us = match time {
+            Ok(time) => time.unwrap_or(0),
+            Err(e) => return Err(wrong(e)),
+        };
+        if let Some((place, unit)) = self.clock.counted() {
+            let is_coarse = self.stated && unit != TimeUnit::Us;
+            let at = (self.label.as_str(), line);
+            time_us = match self.times.next_row(at, time_us, is_coarse) {
+                Ok(time_us) => time_us,
+                Err(OutOfTime { expected, found }) => {
+                    let found = found.unwrap_or_else(|| shown(row.get(place)));
+                    return Err(wrong((Some(self.clock.key()), expected, found)));
                 }
-            },
-        };
-        let wrong = |wrong: Wrong| at(line, wrong);
-        let (mut time, mut next, mut width) = (None, 0, 0);
-        self.fields.split(text);
-        for (place, field) in self.fields.iter().enumerate() {
-            width += 1;
-            if matches!(&self.clock, Clock::Column(column, _) if *column == place) {
-                time = Some(field);
-            }
-            // Columns are mostly taken in their order; the rest are looked up.
-            if let Some(taken) = self.taken.get(next).filter(|t| t.place == place) {
-                values.push(number(field, taken).map_err(wrong)?);
-                next += 1;
-            }
+            };
         }
-        if width != self.width {
-            let expected = format!("{} columns as in the header", self.width);
-            return Err(wrong((None, expected, width.to_string())));
-        }
-        if next < self.taken.len() {
-            *values = looked_up(&self.fields, &self.taken).map_err(wrong)?;
-        }
-        let time_us = match &self.clock {
-            Clock::None => 0,
-            // Frame numbers are far below 2^53, so the product is exact enough to round.
-            Clock::Rate(rate) => libm::round(self.count as f64 * 1e6 / rate) as u64,
-            Clock::Column(place, column) => {
-                let field = time.unwrap_or_default();
-                let key = Some(format!("column {} ({})", place + 1, column.name));
-                let us = match self.stated {
-                    true => column.unit.micros(field),
-                    false => field.parse().ok(),
-                };
-                let noun = column.unit.noun();
-                let whole = if self.stated { "" } else { "whole " };
-                let expected = || format!("a {whole}number of {noun}");
-                let us = us.ok_or_else(|| wrong((key.clone(), expected(), shown(field))))?;
-                let place = format!("{label}:{line}");
-                let late = |e: OutOfTime| {
-                    wrong((key, e.expected, e.found.unwrap_or_else(|| shown(field))))
-                };
-                let next = match self.stated && column.unit != TimeUnit::Us {
-                    true => self.times.coarse_row(&place, us),
-                    false => self.times.row(&place, us),
-                };
-                next.map_err(late)?
-            }
-        };
         self.count += 1;
-        self.look_at_times(false)?;
+        if !self.stated {
+            self.look_at_times(false)?;
+        }
         Ok(Some(RowAt { line, time_us }))
     }
 
@@ -311,108 +351,60 @@ impl<R: Read> Rows<R> {
 
     /// What is to be said of the file, once its end is reached.
     pub fn notes(&mut self) -> Vec<String> {
-        let mut notes = self.times.take_notes();
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.extend(self.times.take_notes());
         notes.extend(self.lines.note());
         notes
     }
 }
 
-/// The fields of a line, without quotes and the spaces around them: the same memory for all lines.
-#[derive(Debug)]
-struct Fields {
-    reader: csv_core::Reader,
-    text: Vec<u8>,
-    ends: Vec<usize>,
-    count: usize,
+/// Rows at the beginning of a text.
+fn beginning(start: &str, dialect: Dialect, has_heading: bool) -> Vec<Vec<String>> {
+    let mut fields = Fields::new(dialect);
+    let end = start.rfind('\n').unwrap_or(start.len());
+    let lines = start.get(..end).unwrap_or_default().lines();
+    let rows = lines
+        .filter(|line| !is_remark(line))
+        .skip(usize::from(has_heading))
+        .take(64);
+    rows.map(|line| fields.split(line).iter().map(str::to_owned).collect())
+        .collect()
 }
 
-impl Fields {
-    fn none() -> Self {
-        Self {
-            reader: csv_core::Reader::new(),
-            text: Vec::new(),
-            ends: Vec::new(),
-            count: 0,
+/// The values of a row.
+fn read_row<V: Number>(
+    row: Row<'_>,
+    (width, gain): (usize, Option<Gain>),
+    taken: &[Taken],
+    values: &mut Vec<V>,
+) -> Result<(), Wrong> {
+    for taken in taken {
+        // A row that is too short is told of as such.
+        if taken.place < row.count() {
+            values.push(number(row.get(taken.place), taken, gain)?);
         }
     }
-
-    fn of(line: &str) -> Self {
-        let mut fields = Self::none();
-        fields.split(line);
-        fields
+    if !row.has_width(width) {
+        let expected = format!("{width} columns as in the header");
+        return Err((None, expected, row.count().to_string()));
     }
-
-    fn split(&mut self, line: &str) {
-        // Fields are no longer than their line, and each but the first has a comma before it. There is room for one
-        // more of either: the reader takes no end where there is none.
-        let most = 2 + line.bytes().filter(|b| *b == b',').count();
-        self.text.resize(self.text.len().max(line.len() + 1), 0);
-        self.ends.resize(self.ends.len().max(most), 0);
-        self.reader.reset();
-        let (_, _, written, ended) =
-            self.reader
-                .read_record(line.as_bytes(), &mut self.text, &mut self.ends);
-        // The end of the line is the end of the record.
-        let (text, ends) = (&mut self.text[written..], &mut self.ends[ended..]);
-        let (_, _, _, last) = self.reader.read_record(&[], text, ends);
-        self.count = ended + last;
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &str> {
-        let ends = self.ends.get(..self.count).unwrap_or_default();
-        let mut begin = 0;
-        ends.iter().map(move |end| {
-            let field = self.text.get(begin..*end).unwrap_or_default();
-            begin = *end;
-            // What was text is text without its quotes; those behind a space are quotes to people alone.
-            let field = std::str::from_utf8(field).unwrap_or_default().trim();
-            let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
-            quoted.unwrap_or(field)
-        })
-    }
+    Ok(())
 }
 
-/// The columns taken of a row, in whatever order they stand.
-fn looked_up<V: Number>(fields: &Fields, taken: &[Taken]) -> Result<Vec<V>, Wrong> {
-    let all: Vec<&str> = fields.iter().collect();
-    let field = |t: &Taken| number(all.get(t.place).copied().unwrap_or_default(), t);
-    taken.iter().map(field).collect()
-}
-
-fn number<V: Number>(field: &str, taken: &Taken) -> Result<V, Wrong> {
-    V::read(field).ok_or_else(|| {
+fn number<V: Number>(field: &str, taken: &Taken, gain: Option<Gain>) -> Result<V, Wrong> {
+    let read = match gain {
+        None => V::read(field),
+        Some(gain) => field.parse().ok().and_then(|v| V::of_value(gain.counts(v))),
+    };
+    read.ok_or_else(|| {
         let name = match taken.name.as_str() {
             "" => String::new(),
             name => format!(" ({name})"),
         };
         let key = format!("column {}{name}", taken.place + 1);
-        (Some(key), V::EXPECTED.into(), shown(field))
+        let expected = gain.map_or_else(|| V::EXPECTED.to_owned(), |gain| gain.range());
+        (Some(key), expected, shown(field))
     })
-}
-
-impl Timing {
-    fn clock(&self, first: &[&str]) -> Result<Clock, Wrong> {
-        if let Some(column) = &self.column {
-            let place = first.iter().position(|field| *field == column.name);
-            let place = place.ok_or_else(|| {
-                let names = shown(&first.join(", "));
-                (None, format!("a column {} (--time)", column.name), names)
-            })?;
-            return Ok(Clock::Column(place, column.clone()));
-        }
-        if first.first() == Some(&TIMES[0]) {
-            let column = TimeColumn {
-                name: TIMES[0].into(),
-                unit: TimeUnit::Us,
-            };
-            return Ok(Clock::Column(0, column));
-        }
-        match self.rate_hz {
-            Some(rate) if rate.is_finite() && rate > 0.0 => Ok(Clock::Rate(rate)),
-            Some(rate) => Err((None, "a rate above 0 Hz".into(), rate.to_string())),
-            None => Ok(Clock::None),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -65,16 +65,6 @@ fn bad_recordings_name_line_and_column() {
             "f.csv: expected at least one row, found a header alone",
         ),
         (
-            b"1,2\n3,4\n",
-            Some(1.0),
-            "f.csv:1: column 1: expected the header `txl1_z` (--columns PREFIX and --time COLUMN:UNIT read other headers), found `1`",
-        ),
-        (
-            b"txl1_z;txl2_z\n1;2\n",
-            Some(1.0),
-            "f.csv:1: column 1: expected the header `txl1_z` (--columns PREFIX and --time COLUMN:UNIT read other headers), found `txl1_z;txl2_z`",
-        ),
-        (
             b"time_us,txl1_z,txl2_z\n0,1,2\n18446744073709551615,1,2\n",
             None,
             "f.csv:3: column 1 (time_us): expected a time near the one before, 0 us (--split-jumps plays what follows right after it), found a jump of the clock, 584542.0 years ahead",
@@ -313,23 +303,90 @@ fn other_formats_are_named() {
 }
 
 #[test]
-fn quotes_may_hold_commas_and_spaces_may_stand_around_fields() {
-    let of = |line: &str| {
-        Fields::of(line)
-            .iter()
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(of("a, b ,c"), ["a", "b", "c"]);
-    assert_eq!(
-        of("\"pressure, kPa\",\"x \"\"y\"\"\",z"),
-        ["pressure, kPa", "x \"y\"", "z"]
-    );
-    assert_eq!(of("1, \"2\""), ["1", "2"]);
-    assert_eq!(of("1,,"), ["1", "", ""]);
-    assert_eq!(of("1"), ["1"]);
-    // The memory of a longer line before leaves nothing behind.
-    let mut fields = Fields::of("100,200,300");
-    fields.split("4,5");
-    assert_eq!(fields.iter().collect::<Vec<_>>(), ["4", "5"]);
+fn tables_of_others_are_read_as_they_are() {
+    let same = (vec![0, 10_000], vec![vec![1, 2], vec![3, 4]]);
+    for (text, note) in [
+        ("time_us;txl1_z;txl2_z\n0;1;2\n10000;3;4\n", ""),
+        (
+            "t,left_2,left_1,temperature\n0.0,2,1,20.5\n0.01,4,3,20.5\n",
+            "which is not that of the file",
+        ),
+        (
+            "Time (ms);c1;c2;\n0;1,0;2;\n10;3,0;4;\n",
+            "times are column `Time (ms)`, milliseconds",
+        ),
+        (
+            "# t a1 a2\n0.00 1 2\n0.01 3 4\n",
+            "taken for seconds by its numbers (--time COLUMN:UNIT",
+        ),
+        (
+            "0 0.00 1.0 2.0\n1 0.01 3.0 4.0\n",
+            "no heading: the last columns are `txl1_z`, `txl2_z`",
+        ),
+        (
+            "secs,nsecs,ch0,ch1\n0,0,1,2\n0,10000000,3,4\n",
+            "times are `secs` and `nsecs`",
+        ),
+        (
+            "a1 a2 stamp_ns\n1 2 0\n3 4 10000000\n",
+            "times are column `stamp_ns`, nanoseconds",
+        ),
+        (
+            "time_us,a_1,b_1\n0,1,2\n10000,3,4\n",
+            "columns `a_#`, then `b_#` are the readings",
+        ),
+    ] {
+        let columns = columns();
+        let timing = Timing::default();
+        let text = Text::new("f.csv", text.as_bytes(), 1 << 16);
+        let mut rows = Rows::over(text, Take::Taxels(&columns), Some(&timing)).unwrap();
+        let (mut read, mut row) = ((Vec::new(), Vec::new()), Vec::<u16>::new());
+        while let Some(at) = rows.advance(&mut row).unwrap() {
+            read.0.push(at.time_us);
+            read.1.push(row.clone());
+        }
+        let notes = rows.notes().join("\n");
+        assert_eq!(read, same, "{notes}");
+        assert_eq!(notes.is_empty(), note.is_empty(), "{notes}");
+        assert!(notes.contains(note), "{notes}");
+    }
+}
+
+#[test]
+fn what_a_file_leaves_open_is_asked_for() {
+    for (text, said) in [
+        (
+            "t,a1,a2\n0,1,2\n1,3,4\n",
+            "f.csv:1: column `t`: expected what it counts (--time COLUMN:UNIT",
+        ),
+        (
+            "1,2\n3,4\n",
+            "f.csv:1: expected a first column time_us, or a rate (--rate HZ)",
+        ),
+        (
+            "1,2,3,4,5\n6,7,8,9,0\n",
+            "f.csv:1: expected 2 taxel columns",
+        ),
+        (
+            "time_us,a1,a2,b1,b2\n0,1,2,3,4\n",
+            "f.csv:1: expected one group of 2 columns (--columns PREFIX chooses), found 2 of `a#`, 2 of `b#`",
+        ),
+        (
+            "secs,nsecs,a1,a2\n0,1000000000,1,2\n",
+            "f.csv:2: columns 1 and 2: expected a whole number below 1000000000",
+        ),
+    ] {
+        let message = say(text.as_bytes(), None);
+        assert!(message.starts_with(said), "{message}");
+    }
+    let wide = say(b"1,2,3,4,5\n", Some(1.0));
+    assert!(wide.contains("expected 2 taxel columns"), "{wide}");
+}
+
+#[test]
+fn a_prefix_takes_columns_by_their_numbers() {
+    let text = "t,ch1,ch10,ch2\n0,1,3,2\n";
+    let take = Take::Counted("ch", 3);
+    let rows = all::<u16>(text.as_bytes(), take, None).unwrap().1;
+    assert_eq!(rows, [[1, 2, 3]]);
 }

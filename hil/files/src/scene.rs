@@ -46,6 +46,9 @@ pub const THRESHOLD_FLOOR: f64 = 20.0;
 /// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
 pub const DRIFT_S: f64 = 5.0;
 
+/// Rows that make the reference of a recording or stream; it goes on from there as it is followed.
+pub const REFERENCE_ROWS: u32 = 10;
+
 settings! {
     /// A scene. A file states what differs from [`Scene::default`], and its name and description.
     #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]

@@ -16,10 +16,11 @@ use super::person::{PersonFile, Wearer};
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
-use super::wire::{AlloyFile, WireFile};
+use super::wire::{AlloyFile, WireFile, check_rest};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
-use palpate_core::guard::Memory;
+use palpate_core::guard::{Limits, Memory};
+use palpate_core::physics::WireParameters;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -161,7 +162,20 @@ impl Setup {
 }
 
 pub(super) fn limits_of(bench: &Loaded<Bench>) -> Result<Loaded<LimitTable>, FileError> {
-    bench.refer(&bench.value.limits, "limits")
+    let limits: Loaded<LimitTable> = bench.refer(&bench.value.limits, "limits")?;
+    let Limits {
+        skin_mean_mc,
+        skin_peak_mc,
+        skin_deep_mc,
+        ..
+    } = limits.value.limits;
+    let lowest_c = skin_mean_mc.min(skin_peak_mc).min(skin_deep_mc) as f64 / 1e3;
+    if bench.value.tissue.rest_c >= lowest_c {
+        let table = &limits.value.name;
+        let expected = format!("less than {lowest_c}, the lowest row of [skin] in `{table}`");
+        return Err(bench.source.bad("tissue.rest_c", expected));
+    }
+    Ok(limits)
 }
 
 pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileError> {
@@ -180,6 +194,12 @@ pub(super) fn mounted_of(
     wire.value.fits(&wire.source, &alloy.value)?;
     let mount = &bench.value.mount;
     mount.fits(&bench.source, wire.value.length_mm)?;
+    let worn = WireParameters {
+        mount: mount.parameters(),
+        ..wire.value.parameters(&alloy.value)
+    };
+    let tissue = bench.value.tissue.parameters();
+    check_rest(&wire.source, &bench.source, &worn, &tissue)?;
     Ok((wire, alloy))
 }
 

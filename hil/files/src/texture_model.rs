@@ -218,7 +218,7 @@ impl TextureModel {
                 latent.values.len().to_string(),
             ));
         }
-        let mut room = encoder.room(1);
+        let mut room = encoder.room();
         let found = encoder.encode(&mut room, &window.values).map_err(|e| {
             wrong(
                 "golden.window",

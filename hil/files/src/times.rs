@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use palpate_core::statistics::quantile;
 
+use super::pace::SAME;
+
 /// Longest recording, as the longest scene: a slip in a time must not make a run of years.
 pub const LONGEST_US: u64 = 86_400_000_000;
 /// Further apart, two rows are no longer one recording: the clock was set between them.
@@ -14,6 +16,11 @@ pub const DISORDER_US: u64 = 1_000_000;
 const TELLING: usize = 16;
 /// A row per second and slower, by its numbers: they may be nanoseconds.
 const SLOW_US: u64 = 1_000_000;
+/// Ten thousand rows a second and more, by their numbers: they may be milliseconds.
+const FAST_US: u64 = 100;
+/// With jumps taken out, further ahead than this and so many usual distances is a jump too: a stray frame.
+const STRAY_US: u64 = 2_000_000;
+const STRAY_STEPS: u64 = 100;
 
 /// What a column of times counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +33,8 @@ pub enum TimeUnit {
     Us,
     /// Nanoseconds.
     Ns,
+    /// Dates with a time of day, `2026-03-01T12:00:00.25Z`; without a zone they are taken for UTC.
+    Date,
 }
 
 /// A column that says when, as `--time COLUMN[:UNIT]` names it.
@@ -47,7 +56,11 @@ impl FromStr for TimeColumn {
             "ms" => TimeUnit::Ms,
             "us" => TimeUnit::Us,
             "ns" => TimeUnit::Ns,
-            _ => return Err("expected a column and s, ms, us or ns, such as timestamp:ms".into()),
+            "date" => TimeUnit::Date,
+            _ => {
+                let expected = "expected a column and s, ms, us, ns or date, such as timestamp:ms";
+                return Err(expected.into());
+            }
         };
         match name {
             "" => Err("expected a column, such as timestamp:ms".into()),
@@ -62,18 +75,21 @@ impl FromStr for TimeColumn {
 impl TimeUnit {
     /// A field as microseconds, rounded.
     pub(super) fn micros(self, field: &str) -> Option<u64> {
+        if self == Self::Date {
+            return date_us(field);
+        }
         let whole = field.parse::<u64>().ok();
         match (self, whole) {
             (Self::Us, Some(us)) => return Some(us),
             (Self::Ms, Some(ms)) => return ms.checked_mul(1000),
             (Self::S, Some(s)) => return s.checked_mul(1_000_000),
             (Self::Ns, Some(ns)) => return Some(ns / 1000),
-            (_, None) => {}
+            (Self::Date, _) | (_, None) => {}
         }
         let us_per_unit = match self {
             Self::S => 1e6,
             Self::Ms => 1e3,
-            Self::Us => 1.0,
+            Self::Us | Self::Date => 1.0,
             Self::Ns => 1e-3,
         };
         let us = field.parse::<f64>().ok()? * us_per_unit;
@@ -88,8 +104,60 @@ impl TimeUnit {
             Self::Ms => "milliseconds",
             Self::Us => "microseconds",
             Self::Ns => "nanoseconds",
+            Self::Date => "dates",
         }
     }
+}
+
+/// Microseconds since 1970 of a date with a time of day: `2026-03-01T12:00:00.25Z`, with a blank in place of the `T`,
+/// with a zone such as `+02:00`, or without one, which is UTC.
+pub(super) fn date_us(text: &str) -> Option<u64> {
+    let (date, time) = text.split_once(['T', ' '])?;
+    let number = |text: &str| -> Option<i64> {
+        let digits =
+            !text.is_empty() && text.len() < 10 && text.bytes().all(|b| b.is_ascii_digit());
+        digits.then(|| text.parse().ok())?
+    };
+    let three = |text: &str, mark: char| -> Option<[i64; 3]> {
+        let mut parts = text.splitn(3, mark).map(number);
+        Some([parts.next()??, parts.next()??, parts.next()??])
+    };
+    let [year, month, day] = three(date, '-')?;
+    let zone_at = time.find(['Z', '+', '-']).unwrap_or(time.len());
+    let (clock, zone) = time.split_at_checked(zone_at)?;
+    let (clock, fraction) = clock.split_once(['.', ',']).unwrap_or((clock, ""));
+    let [hour, minute, second] = three(clock, ':')?;
+    let micros: String = fraction.chars().chain("000000".chars()).take(6).collect();
+    let zone_min = match zone {
+        "" | "Z" => 0,
+        zone => {
+            let (hours, minutes) = zone
+                .get(1..)?
+                .split_once(':')
+                .unwrap_or((zone.get(1..)?, "0"));
+            let min = number(hours)? * 60 + number(minutes)?;
+            if zone.starts_with('-') { -min } else { min }
+        }
+    };
+    let fits = (1970..3000).contains(&year)
+        && (1..=12).contains(&month)
+        && (1..=31).contains(&day)
+        && (hour < 24 && minute < 60 && second < 61);
+    if !fits {
+        return None;
+    }
+    // Days since 1970 in the Gregorian calendar, counted from March (Hinnant, "chrono-compatible date algorithms").
+    let (y, m) = if month > 2 {
+        (year, month - 3)
+    } else {
+        (year - 1, month + 9)
+    };
+    let of_era = y.rem_euclid(400);
+    let of_year = (153 * m + 2) / 5 + day - 1;
+    let days =
+        y.div_euclid(400) * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468;
+    let s = days * 86_400 + hour * 3600 + (minute - zone_min) * 60 + second;
+    u64::try_from(s * 1_000_000 + number(&micros)?).ok()
 }
 
 /// Why a time cannot follow those before it.
@@ -110,8 +178,9 @@ pub struct Times {
     last: Option<u64>,
     /// What is added to the times of the piece that is read, to follow the piece before.
     shift: i128,
-    /// The usual distance, as far as it is known.
-    step: u64,
+    /// Rows in a row that share the newest time.
+    same: u32,
+    /// The first distances: their median is the usual one.
     steps: Vec<u64>,
     notes: Vec<String>,
 }
@@ -134,6 +203,22 @@ impl Times {
         Self {
             split,
             ..Self::default()
+        }
+    }
+
+    /// The time of the next row of a file, in a line of it.
+    ///
+    /// # Errors
+    /// As [`Times::row`] or, for a clock that may repeat itself, [`Times::coarse_row`].
+    pub(super) fn next_row(
+        &mut self,
+        (file, line): (&str, usize),
+        us: u64,
+        is_coarse: bool,
+    ) -> Result<u64, OutOfTime> {
+        match is_coarse {
+            true => self.coarse_row(&format!("{file}:{line}"), us),
+            false => self.row(&format!("{file}:{line}"), us),
         }
     }
 
@@ -166,9 +251,20 @@ impl Times {
         let mut shifted = i128::from(us) + self.shift;
         if let Some(last) = self.last {
             let by = shifted - i128::from(last);
-            let jumped = by > i128::from(JUMP_US) || by < -i128::from(DISORDER_US);
+            self.same = if by == 0 { self.same + 1 } else { 0 };
+            if least.is_some() && self.same >= SAME {
+                return Err(OutOfTime {
+                    expected: "times that tell rows apart".into(),
+                    found: Some(format!("{} rows of one instant, {us} us", self.same + 1)),
+                });
+            }
+            let mut most = JUMP_US;
+            if self.split && by > i128::from(STRAY_US) {
+                most = most.min(STRAY_US.max(self.usual().saturating_mul(STRAY_STEPS)));
+            }
+            let jumped = by > i128::from(most) || by < -i128::from(DISORDER_US);
             if jumped && self.split {
-                let to = i128::from(last) + i128::from(self.step.max(1));
+                let to = i128::from(last) + i128::from(self.usual().max(1));
                 self.shift += to - shifted;
                 shifted = to;
                 let first = self.first.unwrap_or(0);
@@ -199,7 +295,6 @@ impl Times {
                 });
             } else if by > 0 {
                 let step = u64::try_from(by).unwrap_or(u64::MAX);
-                self.step = step;
                 if self.steps.len() < TELLING {
                     self.steps.push(step);
                 }
@@ -218,6 +313,13 @@ impl Times {
         Ok(time)
     }
 
+    /// The usual distance of two times, as far as it is known; 0 before there are two.
+    fn usual(&self) -> u64 {
+        let mut steps = self.steps.clone();
+        steps.sort_unstable();
+        quantile(&steps, 0.5).map_or(0, |middle| middle.above)
+    }
+
     /// Whether enough rows have come to tell what their numbers are.
     pub(super) fn is_telling(&self) -> bool {
         self.steps.len() == TELLING
@@ -225,15 +327,16 @@ impl Times {
 
     /// What a column of whole microseconds looks like instead: its rows come too fast or too slow for a skin.
     pub(super) fn looks_like(&self) -> Option<String> {
-        let mut steps = self.steps.clone();
-        steps.sort_unstable();
-        let median = quantile(&steps, 0.5)?.above;
-        if steps.len() < 2 {
+        if self.steps.len() < 2 {
             return None;
         }
+        let median = self.usual();
         let every = |us: u64| length(us);
         match median {
             1 => Some("row numbers: give --rate HZ, and leave the column out".into()),
+            2..FAST_US => Some(format!(
+                "milliseconds: they would be rows every {median} us (--time COLUMN:ms)"
+            )),
             SLOW_US.. => Some(format!(
                 "nanoseconds: they would be rows every {}",
                 every(median)

@@ -39,6 +39,20 @@ fn a_jump_is_refused_or_taken_out() {
     assert_eq!(split, [PI[2], PI[2] + 1]);
 }
 
+/// One frame of a stray stamp: what follows goes on at the usual distance, and the run is no longer for it.
+#[test]
+fn a_stray_hop_is_taken_out_and_not_doubled() {
+    let mut times = Times::new(true);
+    let us = |k: u64| k * 10_000 + if k == 50 { 6_200_000 } else { 0 };
+    let played: Vec<u64> = (0..100).map(|k| times.frame("f", us(k)).unwrap()).collect();
+    assert_eq!(played.last(), Some(&990_000));
+    assert_eq!(times.take_notes().len(), 2);
+    // Without being asked to, a silence is a silence.
+    let mut times = Times::new(false);
+    assert_eq!(times.frame("f", 0), Ok(0));
+    assert_eq!(times.frame("f", 6_200_000), Ok(6_200_000));
+}
+
 #[test]
 fn rows_rise_and_frames_may_be_a_little_out_of_order() {
     let rows = all(&mut Times::new(false), &[5, 5]).unwrap_err();
@@ -47,6 +61,16 @@ fn rows_rise_and_frames_may_be_a_little_out_of_order() {
     for (us, result) in [(2_000_000, true), (1_500_000, true), (900_000, false)] {
         assert_eq!(times.frame("f", us).is_ok(), result, "{us}");
     }
+}
+
+#[test]
+fn rows_share_an_instant_of_a_coarse_clock_and_no_more() {
+    let mut times = Times::new(false);
+    assert!((0..100).all(|k| times.coarse_row("f", k / 4 * 1000).is_ok()));
+    let mut times = Times::new(false);
+    let all: Result<Vec<_>, _> = (0..100).map(|_| times.coarse_row("f", 1_000_000)).collect();
+    let found = all.unwrap_err().found.unwrap();
+    assert_eq!(found, "11 rows of one instant, 1000000 us");
 }
 
 #[test]
@@ -60,7 +84,8 @@ fn a_recording_has_at_most_a_day() {
 fn other_units_look_like_what_they_are() {
     for (step, word) in [
         (1, Some("row numbers")),
-        (7, None),
+        (7, Some("milliseconds")),
+        (100, None),
         (
             25_000_000,
             Some("nanoseconds: they would be rows every 25.000 s"),

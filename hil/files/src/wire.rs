@@ -1,12 +1,17 @@
 //! Wires and alloys: what a shape-memory wire is made of. The built-in files carry the program's own constants.
 
-use palpate_core::physics::{Alloy, Hysteresis, Mechanics, WireParameters};
+mod history;
+
+use palpate_core::physics::{self, Alloy, History, Hysteresis, Mechanics, WireParameters};
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::guarded;
 use super::play::{PlayEntry, check_plays};
 use super::settings::bounds;
 use super::source::Source;
+use super::words::choice;
+pub(super) use history::check_rest;
 
 /// A wire, its alloy left open.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -34,6 +39,13 @@ pub struct WireFile {
     /// What transforms beside the martensite, such as an R phase; left out: nothing.
     #[serde(default)]
     pub plays: Vec<PlayEntry>,
+    /// State in which the bench's sag was measured. With it phases exclude one another and the bow saturates; left out: an
+    /// older model, in which they do not.
+    pub sag_state: Option<WireState>,
+    /// State in which the wire begins; left out: `cold`.
+    pub state: Option<WireState>,
+    /// Coldest that a wire has been since it was passed, degrees C; left out: no colder than at rest.
+    pub coldest_c: Option<f64>,
     /// Strain.
     pub mechanical: Mechanical,
 }
@@ -89,6 +101,25 @@ pub struct Mechanical {
     pub expansion_austenite_per_k: f64,
     /// Thermal expansion of martensite, 1/K.
     pub expansion_martensite_per_k: f64,
+}
+
+choice! {
+    /// A state that a wire is brought into by temperature alone.
+    WireState {
+        /// All martensite: cooled far below where that begins to form.
+        Cold = "cold",
+        /// Heated until all of it was austenite, then cooled to rest.
+        Passed = "passed",
+    }
+}
+
+impl WireState {
+    const fn physical(self) -> physics::WireState {
+        match self {
+            Self::Cold => physics::WireState::Cold,
+            Self::Passed => physics::WireState::Passed,
+        }
+    }
 }
 
 const fn play() -> Hysteresis {
@@ -187,9 +218,7 @@ impl WireFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
-        bounds!(source, "", wire;
-            diameter_um: 10.0..=1000.0, "um";
-            length_mm: 0.5..=100.0, "mm")?;
+        guarded::size(&wire, source)?;
         bounds!(source, "electrical", wire.electrical;
             resistance_ohm: 0.01..=1000.0, "Ohm";
             wire_share: 0.0..=1.0;
@@ -202,6 +231,7 @@ impl WireFile {
             conductivity_w_mk: 0.0..=500.0, "W/mK";
             air_w_m2k: 0.0..=2000.0, "W/m2K";
             mount_w_k: 0.0..=1.0, "W/K")?;
+        guarded::heat(&wire, source)?;
         bounds!(source, "mechanical", wire.mechanical;
             bias_stress_mpa: 0.0..=1000.0, "MPa";
             modulus_austenite_gpa: 1.0..=500.0, "GPa";
@@ -218,6 +248,7 @@ impl WireFile {
         }
         bounds!(source, "", wire; reversible: 0.0..=1.0, "of the martensite")?;
         check_plays(source, &wire.plays, wire.mechanical.transformation_strain)?;
+        wire.check_history(source)?;
         Ok(wire)
     }
 
@@ -275,6 +306,11 @@ impl WireFile {
                 expansion_martensite: m.expansion_martensite_per_k,
                 ..Mechanics::DEFAULT
             },
+            history: self.sag_state.map(|sag_state| History {
+                state: self.state.unwrap_or(WireState::Cold).physical(),
+                sag_state: sag_state.physical(),
+                coldest_c: self.coldest_c,
+            }),
             ..WireParameters::FINAL
         }
     }

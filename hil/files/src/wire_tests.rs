@@ -116,3 +116,101 @@ fn a_hysteresis_too_narrow_for_its_alloy_is_named() {
         "{error}"
     );
 }
+
+/// Text of the shipped wire with a history, changed; what is said of it, alone or in its bench's bow.
+fn refusal(changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
+    let mut text = palpate_fixtures::wire("passed-50um").unwrap().to_owned();
+    for (old, new) in changes {
+        assert!(text.contains(old), "{old}");
+        text = text.replacen(old, new, 1);
+    }
+    let source = Source::new("w.toml", text);
+    let wire = match WireFile::read(&source) {
+        Ok(wire) => wire,
+        Err(e) => return e.to_string(),
+    };
+    let worn = WireParameters {
+        mount: physics::Mount {
+            sag_m: sag_um * 1e-6,
+            ..physics::Mount::DEFAULT
+        },
+        ..wire.parameters(&alloy("low-free"))
+    };
+    let bench = Source::new("b.toml", format!("mount.sag_um = {sag_um}\n"));
+    let tissue = physics::TissueParameters {
+        modulus_pa: skin_kpa * 1e3,
+        ..physics::TissueParameters::DEFAULT
+    };
+    match check_rest(&source, &bench, &worn, &tissue) {
+        Ok(()) => String::new(),
+        Err(e) => e.to_string(),
+    }
+}
+
+#[test]
+fn a_history_that_contradicts_itself_is_named_with_its_line() {
+    assert_eq!(refusal(&[], (250.0, 100.0)), "");
+    let cold = ("sag_state = \"cold\" ", "");
+    for (change, said) in [
+        (
+            cold,
+            "w.toml:9: state: expected no such key without `sag_state`, the state in which the bench's sag was measured: \"cold\" or \"passed\", found \"passed\"",
+        ),
+        (
+            ("state = \"passed\"", "coldest_c = 20.0"),
+            "w.toml:9: coldest_c: expected it beside state = \"passed\" alone: a cold wire has been colder, found 20.0",
+        ),
+        (
+            ("state = \"passed\"", "state = \"passed\"\ncoldest_c = 40.0"),
+            "w.toml:10: coldest_c: expected a number from -200 to 33 C, found 40.0",
+        ),
+        (
+            (
+                "[electrical]",
+                "hysteresis = { law = \"plays\", count = 2, narrowest = 0.5 }\n[electrical]",
+            ),
+            "hysteresis.law: expected the law `play` beside `sag_state`: its shares turn one after the other, found \"plays\"",
+        ),
+        (
+            ("strain = 0.001 ", "strain = 0.003 "),
+            "plays[0].strain: expected a strain from 0 to 0.002, that of the martensite which it turns to: beside `sag_state` phases exclude one another, found 0.003",
+        ),
+        (
+            ("latent_heat_j_kg = 4000.0", "latent_heat_j_kg = 14000.0"),
+            "plays[0].latent_heat_j_kg: expected at most the martensite's latent heat, 12000 J/kg, found 14000.0",
+        ),
+    ] {
+        let error = refusal(&[change], (250.0, 100.0));
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn a_rest_that_no_wire_can_have_is_named_with_its_line() {
+    let pressed = refusal(
+        &[
+            ("sag_state = \"cold\"  ", "sag_state = \"passed\""),
+            ("state = \"passed\"\n\n", "state = \"cold\"\n\n"),
+        ],
+        (60.0, 100.0),
+    );
+    assert!(
+        pressed.contains("mechanical.bias_stress_mpa: expected more, or another `sag_state` or `state`: in a bow of 60 um the wire would be pressed at rest, and no state holds that, found 10.0"),
+        "{pressed}"
+    );
+    let tight = refusal(
+        &[
+            ("bias_stress_mpa = 10.0", "bias_stress_mpa = 0.0"),
+            (
+                "transformation_strain = 0.002",
+                "transformation_strain = 0.06",
+            ),
+            ("strain = 0.001 ", "strain = 0.0 "),
+        ],
+        (20.0, 1.0),
+    );
+    assert!(
+        tight.contains("b.toml:1: mount.sag_um: expected a deeper bow, or another `sag_state` or `state` in w.toml: from 20 um the wire pulls itself past 90 % straight before its first pulse, found 20"),
+        "{tight}"
+    );
+}

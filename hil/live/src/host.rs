@@ -106,6 +106,10 @@ impl Host for Onlooker<'_> {
         self.views.turn(seen) || pace.signals.caught().is_some()
     }
 
+    fn rezero(&mut self) -> Option<bool> {
+        self.views.rezero()
+    }
+
     fn passed(&mut self, part: f64) -> bool {
         let progress = &mut self.progress;
         progress

@@ -86,7 +86,12 @@ impl Views {
         self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Shows a turn. Returns whether a viewer wants the run to end.
+    /// Whether a key asked for the reference to be taken anew since the last call, and whether by force.
+    pub fn rezero(&self) -> Option<bool> {
+        self.watch.as_ref()?.rezero()
+    }
+
+    /// Shows a turn. Returns whether those who look on want the run to end.
     pub fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         if let Some(desk) = &self.desk {
             if desk.is_stopped() {

@@ -7,7 +7,8 @@ use palpate_core::contact::{Contact, LevelTable, Settings};
 use palpate_core::skin::{BaselineSettings, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_files::{
-    Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm, scope,
+    Columns, DRIFT_S, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm,
+    scope,
 };
 use palpate_records::trace::{PlaceUm, event};
 use palpate_run::{Failure, Intensities, Search, plan};
@@ -91,6 +92,7 @@ impl Wanted {
         };
         let drift = self
             .drift_s
+            .or((self.threshold == "per-taxel").then_some(DRIFT_S))
             .map(|s| Duration::from_micros((s * 1e6).round() as u64));
         Ok(Search {
             baseline: BaselineSettings {

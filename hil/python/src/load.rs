@@ -56,7 +56,6 @@ pub fn load_taxels<'py>(
                 ..Timing::default()
             },
             prefix: None,
-            rest_rows: 0,
         };
         let (input, notes) = recorded(&files, sensor, &reading)?;
         let Input::Rows(sources) = input else {

@@ -51,33 +51,22 @@ impl Host for Interruptible {
     }
 }
 
-/// Readings that drive a run in place of touches.
-#[derive(Debug)]
-pub enum Readings {
-    Touches,
-    Files(Vec<PathBuf>, Option<f64>),
-    Arrays(Vec<TaxelTable>),
-}
-
-impl Readings {
-    fn input(self, setup: &palpate_files::Setup) -> Result<(Input, Vec<String>), Failure> {
-        match self {
-            Self::Touches => Ok((Input::Scene, Vec::new())),
-            Self::Arrays(tables) => Ok((Input::tables(tables), Vec::new())),
-            Self::Files(paths, hz) => {
-                let rate = rate_of(hz, &paths)?;
-                let reading = Reading {
-                    timing: Timing {
-                        rate_hz: rate.hz,
-                        ..Timing::default()
-                    },
-                    prefix: None,
-                    rest_rows: setup.scene.value.reference_frames as usize + 1,
-                };
-                recorded(&paths, &setup.sensor.value, &reading)
-            }
-        }
-    }
+/// Recorded readings of files, and what there is to say of them.
+fn recording(
+    paths: &[PathBuf],
+    hz: Option<f64>,
+    setup: &palpate_files::Setup,
+) -> Result<(Input, Vec<String>), Failure> {
+    let rate = rate_of(hz, paths)?;
+    let reading = Reading {
+        timing: Timing {
+            rate_hz: rate.hz,
+            rest_rows: setup.scene.value.reference_frames as usize + 1,
+            ..Timing::default()
+        },
+        prefix: None,
+    };
+    recorded(paths, &setup.sensor.value, &reading)
 }
 
 /// Rows of raw counts of each module: bytes of times (u64) and of counts (u16).
@@ -108,10 +97,10 @@ pub fn run(
     rows: Vec<(Vec<u8>, Vec<u8>)>,
 ) -> PyResult<Run> {
     let setup = setup.get();
-    let readings = match (files.is_empty(), rows.is_empty()) {
-        (false, _) => Readings::Files(files, rate_hz),
-        (true, false) => Readings::Arrays(arrays(setup, rows)?),
-        (true, true) => Readings::Touches,
+    let own = match (files.is_empty(), rows.is_empty()) {
+        (false, _) => None,
+        (true, false) => Some(Input::tables(arrays(setup, rows)?)),
+        (true, true) => Some(Input::Scene),
     };
     let setup = setup.inner.clone();
     let keep = Keep {
@@ -123,7 +112,10 @@ pub fn run(
     };
     let mut host = Interruptible::default();
     let run = free(py, || {
-        let (input, notes) = readings.input(&setup)?;
+        let (input, notes) = match own {
+            Some(input) => (input, Vec::new()),
+            None => recording(&files, rate_hz, &setup)?,
+        };
         let mut outcome = run_with(&setup, &input, seed, keep, &mut host)?;
         outcome.notes.extend(notes);
         outcome.summary.date = Some(clock::date(clock::unix_us()));

@@ -371,6 +371,16 @@ impl Loop {
         })
     }
 
+    /// The reference of the skin is taken anew; not while anything is in contact, unless forced.
+    fn rezero(&self, py: Python<'_>, forced: bool) -> PyResult<Happened> {
+        self.within(py, |state| {
+            let session = state.session()?;
+            let now = session.now();
+            palpate_run::rezero(session, now, forced);
+            state.happened()
+        })
+    }
+
     /// What presses on a module from now on: x and y (mm), force (N), diameter (mm).
     fn touch(&self, py: Python<'_>, module: usize, presses: Vec<[f64; 4]>) -> PyResult<()> {
         self.within(py, |state| state.touch(module, &presses))

@@ -1,5 +1,7 @@
 //! The ends of the model of wire and tissue. A temperature beyond them is no number, and is told so.
 
+pub use palpate_core::physics::TIGHTEST;
+
 /// Hottest wire that the model knows, degrees C. Nickel-titanium is annealed above: it loses the shape that it was set to.
 pub const WIRE_C: f64 = 400.0;
 /// Hottest tissue that the model knows, degrees C. Water boils above.

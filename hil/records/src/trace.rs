@@ -167,6 +167,9 @@ pub struct Ledger {
     pub energy_uj: u64,
     /// Highest temperature of any wire, thousandths of a degree Celsius, and that wire.
     pub hottest_wire: Option<(i32, u16)>,
+    /// True if a wire's bow was pulled straighter than its model knows.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub tight: bool,
     /// Every limit and the worst that came, measured behind the guard, the most used up first; empty where nothing
     /// measures it.
     #[serde(serialize_with = "billionths")]

@@ -24,7 +24,7 @@ pub enum Verdict {
     Failed,
     /// Something physically passed a row of the limit table.
     LimitExceeded,
-    /// A temperature left the range in which the model of wire and tissue means anything.
+    /// A temperature or a wire's bow left the range in which the model of wire and tissue means anything.
     BeyondTheModel,
 }
 

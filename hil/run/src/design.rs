@@ -3,8 +3,8 @@
 //! A point of the design space is geometry, stress and drive. Its mean power is given, and the width of its pulses follows:
 //! so points compare at equal heat. The wire is the exact model of every run, the person is every run's.
 
-use palpate_core::guard::{BURST_GAP, HARD};
-use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_core::guard::{BURST_GAP, HARD, WornWire};
+use palpate_core::physics::{AIR_POWER, ParameterError, TissueParameters, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Levels, Perceiver, Person};
 use palpate_emulators::time::Nanos;
@@ -16,8 +16,6 @@ const SLOWEST: f64 = 25.0 / 23.0;
 /// Seconds of the run, the last ones, in which the person feels the bursts. The second half is measured: by then the
 /// leaky energy has forgotten the silence before.
 const LISTENING_S: f64 = 2.0;
-/// Exponent of the diameter in the heat transfer to air: Nu = 0.675 Ra^0.058 (Morgan), Ra ~ d^3.
-const AIR_POWER: f64 = 3.0 * 0.058 - 1.0;
 
 /// Pulses that a wire is driven with, burst after burst.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +51,8 @@ pub struct DesignOutcome {
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
     pub skin_c: [f64; 2],
-    /// Reason that excludes the design: the first row of the limit table that forbids it, or `bow` where the wire
-    /// shortens by more than straightens its bow, beyond the bow's gain.
+    /// Reason why it is no design: the first row of the limit table that forbids it, or `bow` where the wire shortens by
+    /// more than its bow's model knows.
     pub excluded: Option<&'static str>,
 }
 
@@ -132,6 +130,7 @@ pub fn outcome(
         perceiver.settle();
     }
     let peaks = worn.peaks(worn.now());
+    let tight = worn.was_tight(worn.now());
     if let Some(felt) = perceiver.felt(peaks.shallow_c) {
         outcome.levels = felt.levels;
     }
@@ -145,7 +144,14 @@ pub fn outcome(
             "skin-peak",
             outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64,
         ),
-        ("bow", change * wire.length_m > slack_m(wire)),
+        (
+            "bow",
+            match wire.history {
+                None => change * wire.length_m > slack_m(wire),
+                Some(_) => tight,
+            },
+        ),
+        ("size", WornWire::new(wire, tissue).check().is_err()),
     ];
     outcome.excluded = outcome.excluded.or_else(|| first(&rows));
     Ok(outcome)

@@ -5,7 +5,7 @@ use palpate_core::schedule::Entry;
 use palpate_core::units::{Instant, Point, Ticks};
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{START_C, WornDisplay};
+use palpate_emulators::worn::WornDisplay;
 use palpate_files::Setup;
 use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
 
@@ -45,7 +45,8 @@ impl FullDrive {
         let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
         alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
-        let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
+        let energy = perceiver.felt(bench.tissue.rest_c);
+        let energy = energy.map_or(0.0, |felt| felt.energy);
         Ok(Self { energy, pulses })
     }
 

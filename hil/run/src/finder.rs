@@ -2,14 +2,17 @@
 
 use palpate_core::contact::{Compressor, Contact, Settings};
 use palpate_core::skin::{
-    Baseline, BaselinePhase, BaselineSettings, FrameError, Layout, Module, RelativeFrame, Scan,
+    BaselineSettings, Condition, FrameError, HealthSettings, Layout, Module, Scan, Sense,
 };
 use palpate_core::units::Instant;
 use palpate_files::Columns;
 
 use crate::failure::Failure;
 
-/// Settings of a search for contacts.
+/// Taxels named one by one.
+const NAMED: usize = 4;
+
+/// How contacts are looked for.
 #[derive(Clone, Debug)]
 pub struct Search {
     /// Baseline that is subtracted from rows.
@@ -29,11 +32,13 @@ pub struct Finder {
     columns: Columns,
     reference_frames: usize,
     skips_repeats: bool,
-    baseline: Baseline,
+    sense: Sense,
+    /// Taxels that were left out, and the first row of each.
+    ill: Vec<(usize, Condition, usize)>,
     compressor: Compressor,
     counts: Vec<[u16; 3]>,
     scan: Scan,
-    relative: Option<RelativeFrame>,
+    is_ready: bool,
     before: Vec<u16>,
     rows: usize,
 }
@@ -57,13 +62,14 @@ impl Finder {
             columns: columns.clone(),
             reference_frames: search.baseline.reference_frames as usize,
             skips_repeats: search.skips_repeats,
-            baseline: Baseline::new(layout, search.baseline)
+            sense: Sense::new(layout, search.baseline, HealthSettings::default())
                 .map_err(|e| option("reference-frames", &e))?,
+            ill: Vec::new(),
             compressor: Compressor::new(layout, search.compression)
                 .map_err(|e| option("kc, --weight-exponent", &e))?,
             counts: vec![[0; 3]; layout.taxels()],
             scan: Scan::new(layout),
-            relative: None,
+            is_ready: false,
             before: Vec::new(),
             rows: 0,
             layout: layout.clone(),
@@ -73,6 +79,42 @@ impl Finder {
     /// Rows so far.
     pub const fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// What is to be said of the skin so far: rows without a reference, a reference that was taken touched, taxels left out.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let baseline = self.sense.baseline();
+        if baseline.unrest() > 0 {
+            notes.push(format!(
+                "reference not at rest: the skin was moved in {} more rows, and nothing is known of touches in them",
+                baseline.unrest()
+            ));
+        }
+        if baseline.taken_touched() > 0 {
+            notes.push(format!(
+                "reference not at rest: {} times readings fell below it, so that it was touched when it was taken; contacts before may be missing or misplaced",
+                baseline.taken_touched()
+            ));
+        }
+        let word = |condition: Condition| match condition {
+            Condition::Dead => "was not received",
+            Condition::Frozen => "stood still",
+            Condition::Saturated => "was at the end of its range",
+            _ => "jumped",
+        };
+        let ill = self.ill.iter().take(NAMED);
+        notes.extend(ill.map(|(taxel, condition, row)| {
+            format!(
+                "taxel {taxel} {} in row {row}: left out as long as that lasts",
+                word(*condition)
+            )
+        }));
+        if let Some(more) = self.ill.len().checked_sub(NAMED).filter(|n| *n > 0) {
+            notes.push(format!("{more} more taxels left out at times"));
+        }
+        notes
     }
 
     /// The contacts of the next row of raw counts. The reference rows emit nothing; the row that sets the threshold is
@@ -91,7 +133,7 @@ impl Finder {
         let repeats = frame > 0 && row == self.before;
         self.before.clear();
         self.before.extend_from_slice(row);
-        if repeats && self.skips_repeats && self.relative.is_some() {
+        if repeats && self.skips_repeats && self.is_ready {
             return Ok(&[]);
         }
         let axes = usize::from(self.columns.axes).max(1);
@@ -104,23 +146,27 @@ impl Finder {
         }
         let loaded = self.scan.load(Instant::from_micros(time_us), &self.counts);
         loaded.map_err(|e| wrong(&e))?;
-        if self.baseline.phase() != BaselinePhase::Ready {
-            self.baseline.feed(&self.scan);
+        let (layout, ill) = (&self.layout, &mut self.ill);
+        for module in 0..layout.modules().len() {
+            let sick = &mut |taxel, condition| {
+                let known = ill.iter().any(|(t, c, _)| (*t, *c) == (taxel, condition));
+                if !known && !matches!(condition, Condition::Good | Condition::Inactive) {
+                    ill.push((taxel, condition, frame));
+                }
+            };
+            self.sense.watch(&self.scan, module, layout, sick);
         }
-        let is_reference = frame < self.reference_frames;
-        if is_reference || self.baseline.phase() != BaselinePhase::Ready {
+        let news = self.sense.frame(&self.scan);
+        let news = news.map_err(|e: FrameError| wrong(&e))?;
+        self.is_ready = news.is_some();
+        let Some(news) = news.filter(|_| frame >= self.reference_frames) else {
             return Ok(&[]);
-        }
-        let (baseline, compressor) = (&mut self.baseline, &mut self.compressor);
-        let layout = &self.layout;
-        let relative = self.relative.get_or_insert_with(|| baseline.frame(layout));
-        let mut compress = || {
-            if baseline.advance(&self.scan, relative)? || !compressor.repeat() {
-                compressor.compress(relative)?;
-            }
-            Ok(())
         };
-        compress().map_err(|e: FrameError| wrong(&e))?;
+        let compressor = &mut self.compressor;
+        if news || !compressor.repeat() {
+            let compressed = compressor.compress(self.sense.relative());
+            compressed.map_err(|e| wrong(&e))?;
+        }
         Ok(compressor.contacts())
     }
 }

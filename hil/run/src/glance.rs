@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use palpate_records::model;
 use palpate_records::verdict::{COLUMNS, Verdict};
 
 use crate::summary::Summary;
@@ -112,6 +113,12 @@ impl Summary {
     /// Advice on the next step.
     fn next(&self) -> &'static str {
         match self.conclusion.verdict {
+            Verdict::BeyondTheModel
+                if self.hottest_wire_c.is_some_and(|c| c <= model::WIRE_C)
+                    && self.hottest_skin_c.is_some_and(|c| c <= model::TISSUE_C) =>
+            {
+                "the wires pull themselves straight: docs/wire.md, then mount.sag_um"
+            }
             Verdict::BeyondTheModel => {
                 "a person would be burnt: docs/faults.md, then drive and faults"
             }

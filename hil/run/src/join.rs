@@ -151,6 +151,7 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
         let first = part.place.first_wire as u16;
         let hottest = own.hottest_wire.map(|(t, wire)| (t, first + wire));
         sum.hottest_wire = sum.hottest_wire.max(hottest);
+        sum.tight |= own.tight;
         for margin in &own.margins {
             match sum.margins.iter_mut().find(|m| m.of == margin.of) {
                 Some(worst) if worst.worst() < margin.worst() => *worst = *margin,

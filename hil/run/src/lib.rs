@@ -41,6 +41,7 @@ pub mod policy;
 pub mod recorded;
 mod recorder;
 mod replay;
+mod rezero;
 mod runner;
 pub mod script;
 mod scripted;
@@ -79,7 +80,8 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use runner::{run_with, scene_levels};
+pub use rezero::rezero;
+pub use runner::{run_with, scene_end, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use skin::EmulatedSkin;
@@ -247,7 +249,13 @@ pub trait Host {
         false
     }
 
-    /// Takes the part of the run that is over, from 0 to 1, at every turn. Returns `true` to end the run.
+    /// Asks after a turn whether the reference of the skin is to be taken anew: `Some(true)` also where something is in
+    /// contact.
+    fn rezero(&mut self) -> Option<bool> {
+        None
+    }
+
+    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
     fn passed(&mut self, part: f64) -> bool {
         let _ = part;
         false

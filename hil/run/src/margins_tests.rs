@@ -41,7 +41,7 @@ fn bursts_end_with_a_gap_and_belong_to_one_wire() {
 
 #[test]
 fn a_guard_that_found_an_overrun_knows_the_rows_that_it_passed() {
-    use palpate_core::guard::{HARD, Plant};
+    use palpate_core::guard::{HARD, Plant, WornWire};
     use palpate_core::illusion::DisplayWire;
     use palpate_core::schedule::Stimulus;
     use palpate_core::units::{Board, Channel, Instant, Point, Ticks};
@@ -52,7 +52,7 @@ fn a_guard_that_found_an_overrun_knows_the_rows_that_it_passed() {
         channel: Channel(0),
     };
     let rows = |width: u16, off_ms: u64| {
-        let mut guard = Guard::new(HARD, Plant::default(), &[wire]).unwrap();
+        let mut guard = Guard::new(HARD, Plant::default(), &[wire], WornWire::default()).unwrap();
         let at = |ms: u64| Instant::from_micros(ms * 1000);
         let stimulus = Stimulus {
             wire: 0,

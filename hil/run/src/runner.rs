@@ -210,8 +210,8 @@ pub(crate) fn part(now: Instant, end: Instant) -> f64 {
     now.as_micros() as f64 / end.as_micros().max(1) as f64
 }
 
-/// Time at which a scene ends.
-pub(crate) fn scene_end(setup: &Setup) -> Instant {
+/// When a scene ends.
+pub fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
 

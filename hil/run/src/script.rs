@@ -128,11 +128,8 @@ impl Script {
                 self.entries[n].state = State::On;
                 self.entries[n].base = counter(&self.entries[n].fault, bench);
                 self.change(n, true, now, bench);
-                note(
-                    events,
-                    now,
-                    format!("fault: {}", self.entries[n].fault.words()),
-                );
+                let text = format!("fault: {}", self.entries[n].fault.words());
+                events.push(Event::note(now, text));
             }
             if self.entries[n].state == State::On && until.is_some_and(|t| t <= now) {
                 self.change(n, false, now, bench);
@@ -159,11 +156,8 @@ impl Script {
         e.state = State::Over;
         let hits = counter(&e.fault, bench).saturating_sub(e.base);
         e.count = e.count.max(hits);
-        note(
-            events,
-            now,
-            format!("fault over: {}, count {}", e.fault.words(), e.count),
-        );
+        let text = format!("fault over: {}, count {}", e.fault.words(), e.count);
+        events.push(Event::note(now, text));
     }
 
     /// The bus of a module and its board's place there.
@@ -363,8 +357,4 @@ fn error_frames(bench: &mut Faultable<'_>, fault: &Fault) {
         let errors = classes.iter().cycle().take(count);
         errors.for_each(|&error| b.segment_mut().inject(error));
     });
-}
-
-fn note(events: &mut Vec<Event>, now: Instant, text: String) {
-    events.push(Event::note(now, text));
 }

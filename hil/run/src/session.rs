@@ -280,7 +280,8 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         let Some(cause) = latched.filter(|_| self.display.registers().is_none()) else {
             return;
         };
-        if cause == Cause::ActuatorError || self.policy.latch == LatchPolicy::Reopens {
+        let passes = matches!(cause, Cause::ActuatorError | Cause::Rezero);
+        if passes || self.policy.latch == LatchPolicy::Reopens {
             let (banks, _) = self.display.parts();
             self.supervisor
                 .resume(self.now, &mut self.projector, banks, &mut self.recorder);

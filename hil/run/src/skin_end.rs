@@ -45,6 +45,11 @@ pub trait SkinEnd {
         0
     }
 
+    /// Frames that were no readings of its layout.
+    fn foreign(&self) -> u64 {
+        0
+    }
+
     /// Frames that crossed its buses since the last time, if they are kept.
     fn take_frames(&mut self) -> Vec<Received> {
         Vec::new()
@@ -100,6 +105,10 @@ macro_rules! pointed_at {
 
             fn lost_of(&self, module: usize) -> u64 {
                 (**self).lost_of(module)
+            }
+
+            fn foreign(&self) -> u64 {
+                (**self).foreign()
             }
 
             fn take_frames(&mut self) -> Vec<Received> {
@@ -220,6 +229,10 @@ impl<B: CanEnd> SkinEnd for CanSkin<Tap<B>> {
 
     fn lost_of(&self, module: usize) -> u64 {
         CanSkin::lost_of(self, module)
+    }
+
+    fn foreign(&self) -> u64 {
+        CanSkin::foreign(self)
     }
 
     fn take_frames(&mut self) -> Vec<Received> {

@@ -49,8 +49,7 @@ pub struct FeltSummary {
     pub taps: u64,
     /// Level that the scene asks for; null where it asks for none.
     pub asked: Option<AskedLevel>,
-    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something was felt, or would
-    /// be.
+    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something is felt.
     pub missing_db: Option<f64>,
     /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
     pub band: Option<FeltBand>,
@@ -178,6 +177,8 @@ pub struct Taxels {
     pub jumping: u32,
     /// Dead taxels that never sent a reading.
     pub never_seen: u32,
+    /// Frames that were no readings of the layout.
+    pub foreign: u64,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
     /// Every taxel that was ill when the run ended, and left out.
@@ -207,7 +208,7 @@ impl Taxels {
             sum.dead += part.dead;
             sum.saturated += part.saturated;
             sum.jumping += part.jumping;
-            sum.never_seen += part.never_seen;
+            (sum.foreign, sum.never_seen) = (part.foreign, sum.never_seen + part.never_seen);
             sum.ill.extend(part.ill.iter().cloned());
             let each = part.refresh_each_hz.iter().cloned();
             rates.extend(modules.iter().copied().zip(each));
@@ -227,8 +228,9 @@ impl Taxels {
         sum
     }
 
-    /// Lists every single taxel's condition and rate at `now`.
-    fn list(&mut self, projector: &Projector, now: Instant) {
+    /// Fills in what is known of every single taxel at `now`.
+    fn list(&mut self, projector: &Projector, now: Instant, foreign: u64) {
+        self.foreign = foreign;
         let (layout, monitor) = (projector.layout(), projector.monitor());
         for (module, m) in layout.modules().iter().enumerate() {
             let mut rates = Vec::new();
@@ -397,7 +399,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     summary.texture = TextureSummary::of(recorder, projector);
     summary.longest_session_s = recorder.longest_session_s(projector.guard(), end);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
-    summary.taxels.list(projector, end);
+    summary.taxels.list(projector, end, skin.foreign());
     (trace, summary)
 }
 
@@ -478,10 +480,8 @@ impl Summary {
                 dead: health.dead,
                 saturated: health.saturated,
                 jumping: health.jumping,
-                never_seen: 0,
-                ill: Vec::new(),
-                refresh_each_hz: Vec::new(),
                 repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
+                ..Taxels::default()
             },
             boards: Vec::new(),
             buses: Vec::new(),

@@ -172,6 +172,7 @@ impl Supervisor {
     }
 }
 
+/// A line worth keeping.
 fn note(events: &mut Vec<Event>, now: Instant, text: String) {
     events.push(Event::note(now, text));
 }

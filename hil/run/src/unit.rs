@@ -115,7 +115,7 @@ impl RemoteUnit {
             addresses,
             limits: *guard.limits(),
             plant: *guard.plant(),
-            heat: unit.heat,
+            worn: guard.worn().filter(|_| unit.heat),
             converters: plan::converters(bench),
         };
         let profile = profile(unit.network);

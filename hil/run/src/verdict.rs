@@ -39,6 +39,7 @@ impl Outcome {
         }
         if scene.faults.is_empty() {
             missing(summary, &mut conclusion);
+            unheard(summary, &mut conclusion);
         }
         if summary.frames_not_recorded > 0 {
             let lost = summary.frames_not_recorded;
@@ -114,7 +115,28 @@ fn missing(summary: &Summary, conclusion: &mut Conclusion) {
     );
 }
 
-/// Adds temperatures beyond the model, with their time.
+/// Taxels of which nothing came, although something did of their board.
+fn unheard(summary: &Summary, conclusion: &mut Conclusion) {
+    let taxels = &summary.taxels;
+    let silent = |module: &usize| {
+        let board = summary.boards.get(*module);
+        board.is_none_or(|board| board.readings == 0)
+    };
+    let ill = taxels.ill.iter();
+    let never = ill.filter(|t| t.condition == "never-seen" && !silent(&t.module));
+    let count = never.count();
+    if count > 0 {
+        let all: usize = taxels.refresh_each_hz.iter().map(Vec::len).sum();
+        let foreign = match taxels.foreign {
+            0 => "no frame was foreign".to_owned(),
+            n => format!("{n} frames had identifiers that the layout does not know"),
+        };
+        let text = format!("{count} of {all} taxels never spoke, and {foreign}");
+        conclusion.add(Verdict::Incomplete, text);
+    }
+}
+
+/// Temperatures beyond what the model knows, and since when.
 fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
     let passed = [
         ("a wire", summary.hottest_wire_c, model::WIRE_C),
@@ -125,6 +147,11 @@ fn beyond(summary: &Summary, trace: &Trace, conclusion: &mut Conclusion) {
         beyond.map(|_| format!("{what} passed {most:.0} C"))
     });
     let passed: Vec<String> = passed.collect();
+    if trace.ledger.tight {
+        let most = model::TIGHTEST * 100.0;
+        let text = format!("a wire's bow passed {most:.0} % of its sag: mount.sag_um is too small");
+        conclusion.add(Verdict::BeyondTheModel, text);
+    }
     if passed.is_empty() {
         return;
     }

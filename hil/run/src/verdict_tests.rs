@@ -31,6 +31,25 @@ fn a_burn_is_beyond_the_model_and_an_exceeded_limit() {
     );
 }
 
+/// Skin so soft that it lets a flat bow be pulled straight.
+#[test]
+fn a_bow_that_is_pulled_straight_is_beyond_the_model() {
+    let conclusion = |sag_um: f64| {
+        let mut bench = load_bench("passed").unwrap();
+        bench.value.mount.sag_um = sag_um;
+        bench.value.tissue.modulus_kpa = 1.0;
+        let setup = Setup::join(load_scene("sphere-along").unwrap(), bench).unwrap();
+        run(&setup, &Input::Scene, 1).unwrap().summary.conclusion
+    };
+    let found = conclusion(25.0);
+    assert_eq!(found.verdict, Verdict::BeyondTheModel);
+    assert_eq!(
+        found.why[0],
+        "a wire's bow passed 90 % of its sag: mount.sag_um is too small"
+    );
+    assert_ne!(conclusion(250.0).verdict, Verdict::BeyondTheModel);
+}
+
 /// A touch that rests at a place with a force, as a line of a file.
 fn resting(x_mm: f64, force_n: f64) -> String {
     format!(

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::edges::Capture;
+use super::edges::{Capture, Signal};
 use super::plan::{Output, Plan};
 use palpate_core::statistics::quantile;
 use palpate_run::Failure;
@@ -19,8 +19,26 @@ fn output_in(name: &str) -> Option<Output> {
     Some((board.parse().ok()?, digits.parse().ok()?))
 }
 
+/// The bus that a signal belongs to, and its bit: `pwm[3]`.
+fn bit_of(name: &str) -> Option<(&str, usize)> {
+    let (bus, bit) = name.strip_suffix(']')?.rsplit_once('[')?;
+    Some((bus, bit.parse().ok()?))
+}
+
+/// Whether all signals are bits of one bus: then their numbers count, and not their order in the file.
+fn is_bus(signals: &[Signal]) -> bool {
+    let mut buses = signals.iter().map(|s| bit_of(&s.name).map(|(bus, _)| bus));
+    match buses.next() {
+        Some(Some(first)) => buses.all(|bus| bus == Some(first)),
+        _ => false,
+    }
+}
+
 /// Pulses of a signal: rise and width, nanoseconds.
 pub(super) type Pulses = Vec<(f64, f64)>;
+
+/// What was seen of an output: its pulses, and from when to when its level is unknown, nanoseconds.
+pub(super) type Watched = (Pulses, Vec<(f64, f64)>);
 
 /// Finds the signal of every output.
 pub(super) fn assign(
@@ -28,9 +46,9 @@ pub(super) fn assign(
     outputs: &[Output],
     pins: &Pins,
     nominal: f64,
-) -> Result<BTreeMap<Output, Pulses>, Failure> {
+) -> Result<BTreeMap<Output, Watched>, Failure> {
     for (name, output) in pins {
-        if !capture.signals.iter().any(|s| s.name == *name) {
+        if !capture.signals.iter().any(|s| s.is_called(name)) {
             let names: Vec<_> = capture.signals.iter().map(|s| s.name.as_str()).collect();
             return Err(Failure::Input(format!(
                 "--pin {name}={}:{}: expected a signal of the capture ({})",
@@ -40,18 +58,29 @@ pub(super) fn assign(
             )));
         }
     }
+    let bus = is_bus(&capture.signals);
     let by_name = capture.signals.iter().any(|s| output_in(&s.name).is_some());
     let mut assigned = BTreeMap::new();
     for (n, signal) in capture.signals.iter().enumerate() {
         let output = match (pins, by_name) {
             ([], true) => output_in(&signal.name),
-            ([], false) => outputs.get(n).copied(),
-            (pins, _) => pins.iter().find(|p| p.0 == signal.name).map(|p| p.1),
+            ([], false) => {
+                let bit = bit_of(&signal.name).filter(|_| bus).map(|(_, bit)| bit);
+                outputs.get(bit.unwrap_or(n)).copied()
+            }
+            (pins, _) => pins.iter().find(|p| signal.is_called(&p.0)).map(|p| p.1),
         };
         if let Some(output) = output {
             let pulses = signal.pulses(capture.end_ns, (1.25 * nominal) as u64);
             let pulses = pulses.iter().map(|p| (p.0 as f64, p.1 as f64));
-            if assigned.insert(output, pulses.collect()).is_some() {
+            let unseen = signal.unseen.iter().chain(&capture.unrecorded);
+            let unseen = unseen
+                .map(|(from, to)| (*from as f64, *to as f64))
+                .collect();
+            if assigned
+                .insert(output, (pulses.collect(), unseen))
+                .is_some()
+            {
                 return Err(Failure::Input(format!(
                     "the comparison of a capture: expected one signal for board {} channel {}, found two; `--pin NAME=BOARD:CHANNEL` says which",
                     output.0, output.1

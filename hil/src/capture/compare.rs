@@ -80,6 +80,8 @@ pub struct Comparison {
 struct Seen<'a> {
     capture: &'a Capture,
     pulses: BTreeMap<Output, Pulses>,
+    /// From when to when each output's level is unknown, nanoseconds.
+    unseen: BTreeMap<Output, Vec<(f64, f64)>>,
     /// PRE_SCALE's period, nanoseconds.
     nominal: f64,
     /// Slowest and fastest clock of the chips, over the nominal one.
@@ -95,7 +97,11 @@ impl<'a> Seen<'a> {
             wires => wires.iter().map(|w| (w.board, w.channel)).collect(),
         };
         let nominal = trace.header.pre_scale.period_ns() as f64;
-        let pulses = assign(capture, &outputs, pins, nominal)?;
+        let (mut pulses, mut unseen) = (BTreeMap::new(), BTreeMap::new());
+        for (output, (seen, not)) in assign(capture, &outputs, pins, nominal)? {
+            pulses.insert(output, seen);
+            unseen.insert(output, not);
+        }
         let mut boards: BTreeMap<u8, Vec<&Pulses>> = BTreeMap::new();
         for (output, pulses) in &pulses {
             boards.entry(output.0).or_default().push(pulses);
@@ -105,6 +111,7 @@ impl<'a> Seen<'a> {
         Ok(Self {
             capture,
             pulses,
+            unseen,
             nominal,
             clock: range(trace.header.pre_scale.clock()),
             periods,
@@ -157,7 +164,9 @@ impl<'a> Seen<'a> {
                 period,
                 resolution: self.resolution(),
             };
-            let found = tally(plan, *output, pulses, clock, window, &mut grids);
+            let unseen = self.unseen.get(output).map_or(&[][..], Vec::as_slice);
+            let seen = (pulses, unseen);
+            let found = tally(plan, *output, seen, clock, window, &mut grids);
             tallies.insert(*output, found);
         }
         (tallies, Some(start))
@@ -234,6 +243,14 @@ pub fn compare(
                 to_ns: start + length,
             });
             coverage = Coverage::of(&plan, &tallies, driven, taken);
+            if let Some(start) = start {
+                let unrecorded = capture.unrecorded.iter().map(|(from, to)| Span {
+                    from_ns: start + *from as f64,
+                    to_ns: start + *to as f64,
+                });
+                let lost: f64 = unrecorded.map(|span| driven.overlap_s(&span)).sum();
+                coverage.seconds_seen = (coverage.seconds_seen - lost).max(0.0);
+            }
             coverage.conclude(&plan, &tallies, &mut conclusion);
             if start.is_none() {
                 conclusion.add(

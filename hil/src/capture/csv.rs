@@ -49,7 +49,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
             }
             let signal = |name: &String| Signal {
                 name: name.clone(),
-                edges: Vec::new(),
+                ..Signal::default()
             };
             capture.signals = head.names.iter().map(signal).collect();
             if is_heading {
@@ -99,6 +99,25 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
+/// Nanoseconds of one unit of a time column by its heading, with the unit in any bracket, behind an underscore or in words; none
+/// for another column. Without a unit it counts seconds.
+fn time_unit(heading: &str) -> Option<f64> {
+    let lower = heading.to_lowercase();
+    let mut words = lower
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|w| !w.is_empty());
+    let first = words.next()?;
+    let last = words.next_back().unwrap_or(first);
+    let ns = match last.trim_start_matches("time") {
+        "ms" | "msec" | "millis" | "milliseconds" => 1e6,
+        "us" | "µs" | "μs" | "usec" | "micros" | "microseconds" => 1e3,
+        "ns" | "nsec" | "nanos" | "nanoseconds" => 1.0,
+        "ps" | "picoseconds" => 1e-3,
+        _ => 1e9,
+    };
+    (first.starts_with("time") || last.ends_with("seconds")).then_some(ns)
+}
+
 impl Head {
     fn comment(&mut self, comment: &str) {
         let Some((key, value)) = comment.split_once(':') else {
@@ -132,17 +151,11 @@ impl Head {
             return Some(false);
         }
         let mut names = fields.as_slice();
-        if let Some((first, rest)) = fields.split_first() {
-            let lower = first.to_ascii_lowercase();
-            if lower.starts_with("time") || lower.ends_with("seconds") {
-                self.time = Some(match lower {
-                    l if l.contains("[ms]") || l.contains("milli") => 1e6,
-                    l if l.contains("[us]") || l.contains("micro") => 1e3,
-                    l if l.contains("[ns]") || l.contains("nano") => 1.0,
-                    _ => 1e9,
-                });
-                names = rest;
-            }
+        if let Some((first, rest)) = fields.split_first()
+            && let Some(unit) = time_unit(first)
+        {
+            self.time = Some(unit);
+            names = rest;
         }
         let all_alike = names.iter().all(|n| *n == "logic");
         let named = |(n, name): (usize, &&str)| match all_alike {

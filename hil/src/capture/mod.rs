@@ -8,6 +8,7 @@ mod align;
 mod compare;
 mod coverage;
 mod csv;
+mod dump;
 mod edges;
 mod plan;
 mod tally;
@@ -57,7 +58,7 @@ pub fn read(path: &Path) -> Result<Capture, FileError> {
     let file = open(path, expected)?;
     let capture = match is_csv {
         true => csv::read(&label, file)?,
-        false => edges::read_vcd(&label, file)?,
+        false => dump::read(&label, file)?,
     };
     if capture.signals.is_empty() {
         return Err(FileError::whole(&label, "a digital signal", "none"));

@@ -52,7 +52,7 @@ fn raise(worst: &mut Option<f64>, value: f64) {
 pub(super) fn tally(
     plan: &Plan,
     output: Output,
-    pulses: &Pulses,
+    (pulses, unseen): (&Pulses, &[(f64, f64)]),
     clock: Clock,
     window: Span,
     grids: &mut Grids,
@@ -88,7 +88,10 @@ pub(super) fn tally(
         // Captures of edges end with the last edge: a train that is all there needs no time after it.
         let whole = lost.at_end == 0 && !train.is_empty();
         let unclear = train.is_empty() && busy && last.to_ns - first.from_ns < period;
-        let seen = first.from_ns >= begin - early && (until <= end || whole) && !unclear;
+        let lost_sight = (unseen.iter())
+            .any(|(from, to)| from + begin < last.to_ns && to + begin > first.from_ns);
+        let seen =
+            first.from_ns >= begin - early && (until <= end || whole) && !(unclear || lost_sight);
         let span = Span {
             from_ns: first.from_ns,
             to_ns: last.to_ns,

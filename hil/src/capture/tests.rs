@@ -26,7 +26,7 @@ fn trace() -> Trace {
 fn capture(trace: &Trace) -> Capture {
     let mut out = Vec::new();
     write_vcd(trace, &mut out).unwrap();
-    edges::read_vcd("a.vcd", out.as_slice()).unwrap()
+    dump::read("a.vcd", out.as_slice()).unwrap()
 }
 
 /// Starts a capture later, on a clock with its own zero.
@@ -246,7 +246,7 @@ fn damaged_captures_give_what_came_before_and_name_the_line() {
             .unwrap();
     let mut torn = text[..lines].to_vec();
     torn.extend(b"\n#12z\n");
-    let seen = edges::read_vcd("a.vcd", &torn[..]).unwrap();
+    let seen = dump::read("a.vcd", &torn[..]).unwrap();
     assert!(
         seen.notes[0].starts_with("a.vcd:") && seen.notes[0].contains("were read"),
         "{:?}",
@@ -260,7 +260,7 @@ fn damaged_captures_give_what_came_before_and_name_the_line() {
         let told = csv::read("a.csv", text.as_bytes()).unwrap_err();
         assert_eq!(told.line, Some(line), "{told}");
     }
-    assert!(edges::read_vcd("a.vcd", &b"hello"[..]).is_err());
+    assert!(dump::read("a.vcd", &b"hello"[..]).is_err());
 }
 
 /// Edges as Saleae's Logic writes them, up to a time.
@@ -292,7 +292,7 @@ fn captures_that_end_too_early_are_incomplete_unless_a_window_is_filled() {
     let trace = trace();
     let mut vcd = Vec::new();
     write_vcd(&trace, &mut vcd).unwrap();
-    let half = edges::read_vcd("a.vcd", &vcd[..vcd.len() / 2]).unwrap();
+    let half = dump::read("a.vcd", &vcd[..vcd.len() / 2]).unwrap();
     let whole = capture(&trace);
     let csv = |until| csv::read("a.csv", edges_as_csv(&whole, until).as_bytes()).unwrap();
     let all = compare(&trace, &csv(u64::MAX), &[], None).unwrap();
@@ -394,4 +394,103 @@ fn a_schedule_without_pins_is_enough() {
     trace.events.retain(|e| !matches!(e, Event::Edge(_)));
     trace.ledger.length_us = Instant::ZERO.as_micros();
     assert_eq!(bad(&compare(&trace, &seen, &[], None).unwrap()), [""; 0]);
+}
+
+/// The pins as a dump of text, with some of it changed.
+fn text_of(trace: &Trace) -> String {
+    let mut out = Vec::new();
+    write_vcd(trace, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[test]
+fn what_was_not_recorded_is_not_low() {
+    let trace = trace();
+    let text = text_of(&trace);
+    let at = |from: u64| {
+        let stamp = |line: &&str| {
+            line.strip_prefix('#')
+                .is_some_and(|t| t.parse().unwrap_or(0) >= from)
+        };
+        let line = text.lines().find(stamp).unwrap();
+        text.find(&format!("{line}\n")).unwrap()
+    };
+    let (off, on) = (at(1_500_000_000), at(2_500_000_000));
+    let codes = text
+        .lines()
+        .filter_map(|l| l.strip_prefix("$var wire 1 ")?.split(' ').next());
+    let all = |level: char| {
+        codes
+            .clone()
+            .map(|code| format!("{level}{code}\n"))
+            .collect::<String>()
+    };
+    let gap = format!(
+        "$dumpoff\n{}$end\n#2499999999\n$dumpon\n{}$end\n",
+        all('x'),
+        all('0')
+    );
+    let spoilt = [&text[..off], &gap, &text[on..]].concat();
+    let seen = dump::read("a.vcd", spoilt.as_bytes()).unwrap();
+    assert_eq!(seen.unrecorded.len(), 1);
+    let found = compare(&trace, &seen, &[], None).unwrap();
+    assert_eq!(
+        found.conclusion.verdict,
+        Verdict::Incomplete,
+        "{:?}",
+        found.conclusion
+    );
+    assert!(found.coverage.seconds_seen < found.coverage.seconds_planned - 0.8);
+    for window in [(0.7, 1.4), (2.7, 4.0), (1.0, 3.0)] {
+        let found = compare(&trace, &seen, &[], Some(window)).unwrap();
+        let verdict = found.conclusion.verdict;
+        assert_ne!(
+            verdict,
+            Verdict::Failed,
+            "{window:?}: {:?}",
+            found.conclusion
+        );
+    }
+}
+
+#[test]
+fn bits_of_a_bus_are_outputs_by_their_numbers() {
+    let trace = trace();
+    let mut seen = capture(&trace);
+    let last = seen.signals.len() - 1;
+    for (n, signal) in seen.signals.iter_mut().enumerate() {
+        signal.name = format!("pwm[{n}]");
+    }
+    seen.signals.reverse();
+    assert_eq!(bad(&compare(&trace, &seen, &[], None).unwrap()), [""; 0]);
+    let pins: Vec<_> = (0..=last)
+        .map(|n| {
+            (
+                format!("pwm[{n}]"),
+                (trace.header.wires[n].board, trace.header.wires[n].channel),
+            )
+        })
+        .collect();
+    assert_eq!(bad(&compare(&trace, &seen, &pins, None).unwrap()), [""; 0]);
+}
+
+#[test]
+fn times_of_a_table_have_their_unit_in_any_writing() {
+    for (heading, ns) in [
+        ("Time (us)", 1000),
+        ("time_us", 1000),
+        ("Time[ms]", 1_000_000),
+        ("time_ns", 1),
+        ("Time [s]", 1_000_000_000),
+        ("Time", 1_000_000_000),
+        ("Milliseconds", 1_000_000),
+    ] {
+        let text = format!("{heading},D0\n0,0\n1,1\n2,0\n");
+        let seen = csv::read("a.csv", text.as_bytes()).unwrap();
+        assert_eq!(
+            seen.signals[0].edges,
+            [(0, false), (ns, true), (2 * ns, false)],
+            "{heading}"
+        );
+    }
 }

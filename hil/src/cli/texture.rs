@@ -202,9 +202,16 @@ pub struct EncodeArgs {
     /// (default: every window).
     #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
-    /// Rows per second, for --soa-ms; another rate than the model was trained on is refused.
+    /// Rows per second, for --soa-ms and where no column says when rows came; another rate than the model was trained on
+    /// is refused.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
+    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column time_us).
+    #[arg(long, value_name = "COLUMN[:UNIT]")]
+    pub time: Option<palpate_files::TimeColumn>,
+    /// Encode rows of another rate than the model was trained on, and say so.
+    #[arg(long)]
+    pub any_rate: bool,
     /// Print a JSON array in place of CSV.
     #[arg(long)]
     pub json: bool,

@@ -12,7 +12,8 @@ use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_files::{
-    Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
+    Columns, DRIFT_S, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream,
+    load_layout,
 };
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
@@ -194,6 +195,8 @@ impl<'a> Recording<'a> {
             column: args.time.clone(),
             rate_hz: rate.hz,
             split_jumps: args.split_jumps,
+            rest_rows: args.reference_frames as usize + 1,
+            gain: args.gain,
         };
         Ok(Self {
             args,
@@ -202,7 +205,6 @@ impl<'a> Recording<'a> {
             reading: Reading {
                 timing,
                 prefix: args.columns.clone(),
-                rest_rows: 0,
             },
             search: Search {
                 baseline: BaselineSettings {
@@ -216,6 +218,7 @@ impl<'a> Recording<'a> {
                     axes: args.axes,
                     drift: args
                         .drift_s
+                        .or((args.threshold == Threshold::PerTaxel).then_some(DRIFT_S))
                         .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
                 },
                 compression: Settings {
@@ -263,6 +266,8 @@ impl<'a> Recording<'a> {
                 rows.count()
             )));
         }
-        Ok(rows.notes())
+        let mut notes = rows.notes();
+        notes.extend(finder.notes());
+        Ok(notes)
     }
 }

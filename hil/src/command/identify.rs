@@ -115,7 +115,7 @@ fn read(args: &IdentifyArgs, column: &str) -> Result<Vec<Sample>, Failure> {
     let timing = Timing {
         column: args.time.clone(),
         rate_hz: args.rate,
-        split_jumps: false,
+        ..Timing::default()
     };
     let _shown = Progress::reading(&args.trace);
     let mut rows = Rows::open(&args.trace, take, Some(&timing))?;

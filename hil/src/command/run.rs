@@ -8,8 +8,8 @@ use palpate_records::verdict::Verdict;
 use crate::cli::{Color, RunArgs, Switch};
 use crate::trial::{Trial, TrialEnd, Try, judge, junit};
 use palpate_files::{
-    DRIFT_S, Format, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, format_of,
-    load_scene,
+    DRIFT_S, Format, Loaded, Overrides, REFERENCE_ROWS, Scene, Setup, THRESHOLD_FLOOR, Timing,
+    format_of, load_scene,
 };
 use palpate_live::output::{make_folder, note, print, print_json, write_file};
 use palpate_live::recording::{Reading, ReadingStream, read_joints, recorded};
@@ -165,9 +165,11 @@ fn played(
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
     let reading = Reading {
-        timing,
+        timing: Timing {
+            rest_rows: setup.scene.value.reference_frames as usize + 1,
+            ..timing
+        },
         prefix: args.columns.clone(),
-        rest_rows: setup.scene.value.reference_frames as usize + 1,
     };
     let (input, notes) = match (&args.stream, args.replay.as_slice()) {
         (Some(address), _) => {
@@ -278,6 +280,8 @@ fn timing(args: &RunArgs) -> Result<Timing, Failure> {
         column: args.time.clone(),
         rate_hz: rate_of(args.rate, unclocked(args))?.hz,
         split_jumps: args.split_jumps,
+        rest_rows: 0,
+        gain: args.gain,
     })
 }
 
@@ -332,6 +336,7 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         recorded("threshold", "per-taxel");
         recorded("threshold_margin", &THRESHOLD_FLOOR.to_string());
         recorded("drift_s", &DRIFT_S.to_string());
+        recorded("reference_frames", &REFERENCE_ROWS.to_string());
     }
     let on = |switch| (switch == Switch::On).to_string();
     for (option, key, value) in [

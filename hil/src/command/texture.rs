@@ -1,12 +1,12 @@
 //! `hil texture`.
 
 use std::io;
-use std::path::Path;
 use std::sync::Arc;
 
+use palpate_core::statistics::quantile;
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
-use palpate_files::{Format, Rows, Take, TextureModel};
+use palpate_files::{Format, Input, Rows, Take, TextureModel, Timing};
 use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_texture::onnx;
@@ -41,12 +41,15 @@ fn micros(us: f64) -> Duration {
     Duration::from_micros(us.round() as u64)
 }
 
+/// Share of a feature's range by which a value may lie beyond it and still be known.
+const MARGIN: f32 = 0.05;
+
 /// Latent vectors that are printed together: what is wrong in the first rows is said before anything is printed.
 const BATCH: usize = 1024;
 
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
-    if let Some(hz) = args.rate {
+    if let (Some(hz), false) = (args.rate, args.any_rate) {
         model.check_rate(hz)?;
     }
     let ends = match (args.soa_ms, args.rate) {
@@ -61,7 +64,7 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         None => features(&model),
     };
     let _shown = Progress::reading(&args.file);
-    let mut windows = Windows::open(&model, &args.file, take, ends)?;
+    let mut windows = Windows::open(&model, args, take, ends)?;
     let mut batch = Vec::new();
     let mut is_first = true;
     loop {
@@ -78,7 +81,7 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         is_first = false;
         batch.clear();
         if is_last {
-            windows.rows.notes().iter().for_each(|text| note(text));
+            windows.notes().iter().for_each(|text| note(text));
             return Ok(());
         }
     }
@@ -93,9 +96,17 @@ fn features(model: &TextureModel) -> Take<'_> {
 
 /// The windows of a recording, one after another.
 struct Windows<'a> {
-    rows: Rows<std::fs::File>,
+    model: &'a TextureModel,
+    args: &'a EncodeArgs,
+    /// When the first rows came, until the first window is full.
+    times: Vec<u64>,
+    /// The rate, where it is another than the model's and was asked for.
+    other_hz: Option<f64>,
+    /// Values, and those beyond what the model was trained on.
+    values_seen: u64,
+    beyond: u64,
+    rows: Rows<Input>,
     stream: Stream,
-    file: &'a Path,
     ends: Ends,
     window: usize,
     values: Vec<f32>,
@@ -103,28 +114,104 @@ struct Windows<'a> {
 
 impl<'a> Windows<'a> {
     fn open(
-        model: &TextureModel,
-        file: &'a Path,
+        model: &'a TextureModel,
+        args: &'a EncodeArgs,
         take: Take<'_>,
         ends: Ends,
     ) -> Result<Self, Failure> {
         Ok(Self {
-            rows: Rows::open(file, take, None)?,
+            // Without a column of times the rows are taken for the model's.
+            rows: Rows::open(
+                &args.file,
+                take,
+                Some(&Timing {
+                    column: args.time.clone(),
+                    rate_hz: args.rate.or(model.rate_hz()).or(Some(1.0)),
+                    ..Timing::default()
+                }),
+            )?,
+            model,
+            args,
+            times: Vec::new(),
+            other_hz: None,
+            values_seen: 0,
+            beyond: 0,
             stream: Stream::new(Arc::new(model.encoder()?), 1),
-            file,
             ends,
             window: model.window(),
             values: Vec::new(),
         })
     }
 
+    /// Looks at a row before it is encoded: when it came, and what the model knows of its values.
+    ///
+    /// # Errors
+    /// Rows of another rate than the model was trained on, once a window is full.
+    fn look(&mut self, time_us: u64) -> Result<(), Failure> {
+        let beyond = self.model.with(|model| {
+            let ranges = model.scale_min.iter().zip(model.scale_max);
+            let known = |(value, (low, high)): &(&f32, (&f32, &f32))| {
+                let margin = MARGIN * (**high - **low);
+                (**low - margin..=**high + margin).contains(*value)
+            };
+            self.values.iter().zip(ranges).filter(|v| !known(v)).count()
+        });
+        self.beyond += beyond as u64;
+        self.values_seen += self.values.len() as u64;
+        if self.times.len() > self.window.max(2) {
+            return Ok(());
+        }
+        self.times.push(time_us);
+        if self.times.len() != self.window.max(2) {
+            return Ok(());
+        }
+        let steps = self
+            .times
+            .windows(2)
+            .map(|pair| pair[1].saturating_sub(pair[0]));
+        let mut steps: Vec<u64> = steps.collect();
+        steps.sort_unstable();
+        let usual = quantile(&steps, 0.5).map_or(0, |middle| middle.above);
+        let hz = 1e6 / usual.max(1) as f64;
+        match self.model.check_rate(hz) {
+            Ok(()) => {}
+            Err(_) if self.args.any_rate => self.other_hz = Some(hz),
+            Err(error) => {
+                return Err(Failure::Input(format!(
+                    "{}: {error} (--any-rate encodes them all the same)",
+                    self.args.file.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// What is to be said of the recording, once its end is reached.
+    fn notes(&mut self) -> Vec<String> {
+        let mut notes = self.rows.notes();
+        let known = self.model.rate_hz();
+        notes.extend(
+            self.other_hz.zip(known).map(|(hz, known)| {
+                format!("EXTRAPOLATED: rows at {hz:.1} Hz (learned {known} Hz)")
+            }),
+        );
+        if self.beyond > 0 {
+            let share = 100.0 * self.beyond as f64 / self.values_seen as f64;
+            notes.push(format!(
+                "EXTRAPOLATED: {share:.1} % of the values lie beyond what the model was trained on"
+            ));
+        }
+        notes
+    }
+
     /// The next latent vector; none at the end.
     fn advance(&mut self) -> Result<Option<Latent>, Failure> {
         while let Some(at) = self.rows.advance(&mut self.values)? {
             let row = self.rows.count() - 1;
+            self.look(at.time_us)?;
             let begin = self.ends.begins(row as u64, self.window);
             let latents = self.stream.push(&self.values, begin).map_err(|e| {
-                let (line, file) = (at.line, self.file.display());
+                let (line, file) = (at.line, self.args.file.display());
                 Failure::Input(format!("{file}:{line}: {e}"))
             })?;
             if let Some(latents) = latents {
@@ -135,7 +222,7 @@ impl<'a> Windows<'a> {
         if count < window {
             return Err(Failure::Input(format!(
                 "{}: expected at least {window} rows, one window, found {count} rows",
-                self.file.display()
+                self.args.file.display()
             )));
         }
         Ok(None)

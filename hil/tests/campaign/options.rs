@@ -138,6 +138,7 @@ const COMMANDS: [(&[&str], Options); 26] = [
         &[
             ("--rate", Takes::Number),
             ("--soa-ms", Takes::Number),
+            ("--time", Takes::Named),
             ("--columns", Takes::Named),
         ],
     ),

@@ -68,7 +68,7 @@ impl Model {
             addresses: &[0x40],
             limits: HARD,
             plant: Plant::default(),
-            heat: false,
+            worn: None,
             converters: None,
         };
         let (parameters, thermistor) = (PeltierParameters::default(), Thermistor::default());

@@ -2,7 +2,7 @@
 
 use palpate_core::codec::link::{Command, Header, Hello, Key, Kind, MOST, Planned, Said};
 use palpate_core::driver::{Actuators, UnitDriver, UnitSettings};
-use palpate_core::guard::{Guard, HARD};
+use palpate_core::guard::{Guard, HARD, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
@@ -92,7 +92,7 @@ pub fn plays_what_it_is_told(mut subject: impl Subject) {
     assert_eq!(driver.ready(subject.now()), Ok(()));
     // Ticks as the unit counts them.
     let plant = driver.hello().unwrap().plant;
-    let mut guard = Guard::new(HARD, plant, &wires()).unwrap();
+    let mut guard = Guard::new(HARD, plant, &wires(), WornWire::default()).unwrap();
     let at = subject.now();
     guard.hear(at);
     let stimulus = Stimulus {

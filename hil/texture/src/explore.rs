@@ -145,7 +145,7 @@ pub fn latents(
     recording: &Recording,
 ) -> Result<Vec<Vec<f32>>, Failure> {
     model.check_rate(STROKED_HZ)?;
-    let mut room = encoder.room(1);
+    let mut room = encoder.room();
     let length = encoder.window() * encoder.features();
     let values = features(model, recording)?;
     if values.len() < length {

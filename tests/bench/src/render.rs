@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::illusion::{
     Calibration, Display, IllusionModel, Mixer, ModelSettings, Sharing, Target, build, inverse,
 };
@@ -91,7 +91,8 @@ impl Rig {
             peak: PEAK,
             ..Plant::default()
         };
-        let guard = Guard::new(HARD, plant, display.wires()).map_err(|e| failed(e.to_string()))?;
+        let guard = Guard::new(HARD, plant, display.wires(), WornWire::default())
+            .map_err(|e| failed(e.to_string()))?;
         let settings = RenderSettings {
             law: inverse(&display, &ModelSettings::default()).map_err(|e| failed(e.to_string()))?,
             style: Style::Smooth,

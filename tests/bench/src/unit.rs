@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration as Wall;
 
 use palpate_core::codec::link::{HEADER, MOST, Request, TAG};
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Ticks};
 use palpate_live::clock;
@@ -53,9 +53,12 @@ pub fn measure() -> Result<Findings, Failure> {
 /// A turn that takes a command of sixteen stimuli and answers it, and the turn that begins them.
 fn turns(findings: &mut Findings) -> Result<(), Failure> {
     let mut began_rows = Vec::new();
-    for (method, heat) in [("integer rows", false), ("with thermal rows", true)] {
+    for (method, worn) in [
+        ("integer rows", None),
+        ("with thermal rows", Some(WornWire::default())),
+    ] {
         let answers = Cell::new(true);
-        let mut unit = unit(heat, &answers).map_err(failed)?;
+        let mut unit = unit(worn, &answers).map_err(failed)?;
         let (mut host, mut letters) = (Host::default(), LetterBox::default());
         unit.start(START);
         host.knock(&mut letters);
@@ -106,8 +109,8 @@ fn turns(findings: &mut Findings) -> Result<(), Failure> {
 /// A turn in which nothing waits, and one with a forged datagram of the greatest length.
 fn idle_and_forged(findings: &mut Findings) -> Result<(), Failure> {
     let answers = Cell::new(true);
-    let mut idle = unit(false, &answers).map_err(failed)?;
-    let mut attacked = unit(false, &answers).map_err(failed)?;
+    let mut idle = unit(None, &answers).map_err(failed)?;
+    let mut attacked = unit(None, &answers).map_err(failed)?;
     let (mut host, mut letters) = (Host::default(), LetterBox::default());
     let mut nothing = LetterBox::default();
     idle.start(START);
@@ -175,13 +178,13 @@ fn seals(findings: &mut Findings) -> Result<(), Failure> {
 /// A stimulus admitted and ended, by three guards.
 fn admission(findings: &mut Findings) -> Result<(), Failure> {
     let (plant, wires) = (Plant::default(), wires());
-    let last = |heat| Guard::last_word(HARD, plant, &wires, heat).map_err(failed);
+    let last = |worn| Guard::last_word(HARD, plant, &wires, worn).map_err(failed);
     let guards = [
-        ("integer rows", last(false)?),
-        ("integer and thermal rows", last(true)?),
+        ("integer rows", last(None)?),
+        ("integer and thermal rows", last(Some(WornWire::default()))?),
         (
             "the whole guard of a host",
-            Guard::new(HARD, plant, &wires).map_err(failed)?,
+            Guard::new(HARD, plant, &wires, WornWire::default()).map_err(failed)?,
         ),
     ];
     let names = guards.each_ref().map(|g| g.0);

@@ -1,6 +1,7 @@
 //! A driver unit allocates nothing once it is built: through stimuli, stops, spoiled datagrams and a dead bus.
 
 use palpate_core::codec::link::Request;
+use palpate_core::guard::WornWire;
 use palpate_core::random::RandomStream;
 use palpate_tests::unit::{Host, LetterBox, plan, unit};
 
@@ -25,9 +26,9 @@ fn spoil(s: &mut RandomStream, letters: &mut LetterBox) {
 
 #[test]
 fn a_unit_allocates_nothing_once_built() {
-    for heat in [false, true] {
+    for worn in [None, Some(WornWire::default())] {
         let answers = Cell::new(true);
-        let mut unit = unit(heat, &answers).unwrap();
+        let mut unit = unit(worn, &answers).unwrap();
         let (mut host, mut letters) = (Host::default(), LetterBox::default());
         let mut s = RandomStream::new(1, "datagrams to a unit");
         let before = ALLOCATIONS.with(Cell::get);
@@ -59,6 +60,6 @@ fn a_unit_allocates_nothing_once_built() {
         assert!(counts.applied > 1000 && counts.limited > 0, "{counts:?}");
         assert!(counts.refused > 1000 && counts.stops == 3, "{counts:?}");
         assert!(letters.answers > 1500, "{}", letters.answers);
-        assert_eq!(spent, 0, "thermal rows: {heat}");
+        assert_eq!(spent, 0, "thermal rows: {worn:?}");
     }
 }

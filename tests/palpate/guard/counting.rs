@@ -2,7 +2,7 @@
 //! booked, and where it starts with the stimulus they get exactly that many pulses.
 
 use palpate_core::driver::{Actuators, Pca9685Bank};
-use palpate_core::guard::{Guard, Guarded, HARD, Plant};
+use palpate_core::guard::{Guard, Guarded, HARD, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::{Reason, Stimulus};
 use palpate_core::units::{
@@ -51,7 +51,13 @@ impl Rig {
             board: Board(0),
             channel: Channel(channel),
         };
-        let guard = Guard::new(HARD, plant, &WIRES.each_ref().map(wire)).unwrap();
+        let guard = Guard::new(
+            HARD,
+            plant,
+            &WIRES.each_ref().map(wire),
+            WornWire::default(),
+        )
+        .unwrap();
         let (rose, pulses, on_ns) = (0, 0, 0);
         Self {
             bus,

@@ -5,13 +5,30 @@
 
 use std::thread;
 
+use palpate_core::guard::WornWire;
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::random::RandomStream;
+use palpate_core::units::Milliamps;
 
+use super::kernel::sized;
 use super::rig::{Breach, Parameters, Rig};
-use super::schedule::{Kind, draw, with_guard, without_guard};
+use super::schedule::{Kind, Wish, draw, guard_of, through, with_guard, without_guard};
 
-/// Henriques' Omega a second, 1/s, of skin at rest, which is at 33 C: 3.1e98 exp(-6.27e5 / (8.314463 * 306.15)), rounded up.
-const REST_OMEGA_PER_S: f64 = 3.29e-9;
+/// Henriques' Omega a second, 1/s, of skin at rest, rounded up.
+fn rest_omega_per_s(rest_c: f64) -> f64 {
+    3.11e98 * libm::exp(-6.27e5 / (8.314463 * (rest_c + 273.15)))
+}
+
+/// Wires that are guarded by rows of their own, um and mm.
+const SIZES: [(f64, f64); 5] = [
+    (50.0, 3.0),
+    (50.0, 8.0),
+    (75.0, 5.0),
+    (75.0, 8.0),
+    (100.0, 8.0),
+];
+/// Fingers at rest that they lie on, degrees C.
+const RESTS_C: [f64; 2] = [29.0, 36.0];
 
 /// What became of many schedules.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +54,8 @@ enum Load {
     Loose,
     /// Bursts on chips with an external clock.
     Clocked,
+    /// Bursts on one of [`SIZES`], every other wire a loose one, on one of [`RESTS_C`].
+    Sized(usize, usize),
 }
 
 fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
@@ -48,6 +67,14 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     if load == Load::Clocked {
         parameters = parameters.clocked(&mut s);
     }
+    if let Load::Sized(size, rest) = load {
+        let (um, mm) = SIZES[size];
+        parameters = parameters.sized(sized(um, mm), RESTS_C[rest]);
+        if case % 2 == 1 {
+            parameters = parameters.loose(&mut s);
+        }
+    }
+    let rest_c = parameters.skin.body_c;
     let kind = match s.next_u64() % 4 {
         _ if load == Load::Textures => Kind::Textured,
         0 => Kind::Dwelling,
@@ -74,13 +101,14 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     let seen = rig.hottest();
     for i in 0..3 {
         tally.least_k[i] = tally.least_k[i].min(most[i] - seen[i]);
-        if most[i] > 35.0 {
-            tally.closest[i] = tally.closest[i].max((seen[i] - 33.0) / (most[i] - 33.0));
+        if most[i] > rest_c + 2.0 {
+            let part = (seen[i] - rest_c) / (most[i] - rest_c);
+            tally.closest[i] = tally.closest[i].max(part);
         }
     }
     let dose = rig.dose();
     // What is predicted ends with the last burst that was passed; skin at rest goes on collecting a trace.
-    let rest = REST_OMEGA_PER_S * rig.now() as f64 * 1e-9;
+    let rest = rest_omega_per_s(rest_c) * rig.now() as f64 * 1e-9;
     let doses = dose.omega <= predicted.omega + rest && dose.cem43_min <= predicted.cem43_min;
     if !doses || seen.iter().zip(&most).any(|(seen, most)| seen > most) {
         tally
@@ -181,6 +209,83 @@ fn no_external_clock_passes_a_limit() {
     let count = setting("PALPATE_CLOCKED", 600);
     judge(&play(first, count, 1, Load::Clocked));
     judge(&play(first, 4, 120, Load::Clocked));
+}
+
+/// Each wire has rows made for it, on colder and on warmer fingers.
+#[test]
+fn no_wire_of_another_size_passes_a_limit() {
+    let first = setting("PALPATE_FIRST", 0);
+    let (count, long) = (
+        setting("PALPATE_SIZED", 60),
+        setting("PALPATE_SIZED_LONG", 4),
+    );
+    for (size, (um, mm)) in SIZES.into_iter().enumerate() {
+        for (rest, rest_c) in RESTS_C.into_iter().enumerate() {
+            println!("{um} um x {mm} mm on {rest_c} C:");
+            judge(&play(first, count, 1, Load::Sized(size, rest)));
+            judge(&play(first, long, 30, Load::Sized(size, rest)));
+        }
+    }
+}
+
+/// What a contact that dwells on one wire in the worst corner of the range comes to, as a guard of some wire and finger lets it:
+/// the limit that is passed, and the hottest tissue at 0.1 mm and its mean, degrees C.
+fn dwells((um, mm): (f64, f64), rest_c: f64, worn: Option<WornWire>) -> (Option<Breach>, [f64; 2]) {
+    let mut s = RandomStream::new(1, "dwelling");
+    let drawn = Parameters::draw(&mut s).sized(sized(um, mm), rest_c);
+    let parameters = Parameters {
+        wire: WireParameters {
+            wire_share: 1.0,
+            specific_heat: 837.0,
+            latent_heat: 0.0,
+            ..drawn.wire
+        },
+        skin: TissueParameters {
+            contact_h: 10_000.0,
+            contact_fraction: 0.5,
+            ..drawn.skin
+        },
+        oscillator_hz: 23_000_000,
+        current: Milliamps(1970),
+        supply: Milliamps(4000),
+        ..drawn
+    };
+    let bursts = (0..220).map(|n| 1_000 + n * 58_500);
+    let pulses = |at: u64| Wish::Pulses {
+        wires: 1,
+        width: 148,
+        until_us: at + 35_000,
+    };
+    let schedule = bursts.map(|at| (at, pulses(at))).collect();
+    let mut rig = Rig::new(parameters, false);
+    let guard = guard_of(&rig, worn.unwrap_or(parameters.worn()));
+    through(guard, &mut rig, &schedule, &mut s, 0);
+    rig.inspect();
+    let [peak_c, mean_c, _] = rig.hottest();
+    (rig.breach.take(), [peak_c, mean_c])
+}
+
+/// A guard of the final module's wire on a usual finger is no guard of a short thin wire, nor of a warmer finger. And rows that
+/// refuse everything would be no rows: a wire of its own guard comes close to a limit, or has the power that any wire may have.
+#[test]
+fn a_guard_is_one_of_its_own_wire_and_finger() {
+    for (size, rest_c) in [
+        ((50.0, 3.0), 33.0),
+        ((50.0, 3.0), 36.0),
+        ((75.0, 5.0), 36.0),
+        ((75.0, 8.0), 36.0),
+    ] {
+        let (own, [peak_c, mean_c]) = dwells(size, rest_c, None);
+        let (other, hotter_c) = dwells(size, rest_c, Some(WornWire::default()));
+        println!(
+            "{size:?} um, mm on {rest_c} C: {peak_c:.2} C, mean {mean_c:.2} C; by the final wire's guard {hotter_c:.2?} C"
+        );
+        assert_eq!(own, None);
+        assert!(peak_c < 43.0 && mean_c < 41.0 && mean_c - rest_c > 0.7 * (41.0 - rest_c));
+        if size != (75.0, 8.0) {
+            assert!(other.is_some(), "{size:?} on {rest_c} C");
+        }
+    }
 }
 
 /// Textures ask period by period: the guard sees hundreds of stimuli a second on every wire.

@@ -2,7 +2,7 @@
 //! whole stated range of parameters, and the sums of decays that bound it.
 
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
-use palpate_core::physics::{TissueParameters, WireParameters};
+use palpate_core::physics::{AIR_POWER, TissueParameters, WireParameters};
 use palpate_emulators::display::finger::{NODES, ThermalNetwork};
 use palpate_emulators::display::solver::modal::{Mode, ModeKey};
 
@@ -41,26 +41,61 @@ impl Corner {
     }
 }
 
-/// Every combination of the ends of the stated range and of values between, for both prototypes' wires.
-pub fn corners() -> Vec<Corner> {
+impl Corner {
+    /// Response at a depth to joules that came evenly in `length_s`, so long after their end, K.
+    pub fn of_burst(&self, depth: usize, joules: f64, length_s: f64, after_s: f64) -> f64 {
+        let terms = self.responses[depth].iter().zip(&self.lambda);
+        let left = |rate: f64| -libm::expm1(-rate * length_s) / (rate * length_s);
+        let sum = terms.map(|(c, rate)| c * left(*rate) * libm::exp(-rate * after_s));
+        joules * sum.sum::<f64>()
+    }
+}
+
+/// Heat transfer to still air, W/m2K: that of the final module's wire, by Morgan's law for a cylinder in still air.
+pub fn air_h(diameter_m: f64) -> f64 {
+    let final_wire = WireParameters::FINAL;
+    final_wire.air_h * libm::pow(diameter_m / final_wire.diameter_m, AIR_POWER)
+}
+
+/// A wire of some size, its other values the final module's; infinitely long: its ends take nothing, and a joule is one per
+/// 5 mm.
+pub fn sized(diameter_um: f64, length_mm: f64) -> WireParameters {
+    let diameter_m = diameter_um * 1e-6;
+    let base = WireParameters {
+        diameter_m,
+        air_h: air_h(diameter_m),
+        ..WireParameters::FINAL
+    };
+    if length_mm.is_infinite() {
+        return WireParameters {
+            conductivity: 0.0,
+            ..base
+        };
+    }
+    WireParameters {
+        length_m: length_mm * 1e-3,
+        ..base
+    }
+}
+
+/// Every combination of the ends of the stated range and of values between, for one wire.
+pub fn corners(base: &WireParameters) -> Vec<Corner> {
     let mut all = Vec::new();
-    for base in [WireParameters::FINAL, WireParameters::FIRST] {
-        for wire_share in [0.6, 0.8, 1.0] {
-            for specific_heat in [322.0, 400.0, 500.0, 640.0, 837.0] {
-                for contact_h in [1000.0, 2000.0, 4000.0, 7000.0, 10_000.0] {
-                    for contact_fraction in [0.1, 0.2, 0.35, 0.5] {
-                        let wire = WireParameters {
-                            wire_share,
-                            specific_heat,
-                            ..base
-                        };
-                        let skin = TissueParameters {
-                            contact_h,
-                            contact_fraction,
-                            ..TissueParameters::DEFAULT
-                        };
-                        all.push(Corner::new(&wire, &skin));
-                    }
+    for wire_share in [0.6, 0.8, 1.0] {
+        for specific_heat in [322.0, 400.0, 500.0, 640.0, 837.0] {
+            for contact_h in [1000.0, 2000.0, 4000.0, 7000.0, 10_000.0] {
+                for contact_fraction in [0.1, 0.2, 0.35, 0.5] {
+                    let wire = WireParameters {
+                        wire_share,
+                        specific_heat,
+                        ..*base
+                    };
+                    let skin = TissueParameters {
+                        contact_h,
+                        contact_fraction,
+                        ..TissueParameters::DEFAULT
+                    };
+                    all.push(Corner::new(&wire, &skin));
                 }
             }
         }

@@ -6,6 +6,7 @@ use palpate_core::random::RandomStream;
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
 
+use super::kernel::sized;
 use super::rig::{Parameters, pick};
 use super::table::LATENT_K;
 
@@ -30,6 +31,29 @@ fn latent_heat_of_a_loose_wire_adds_less_as_well() {
     adds_less(|s| Parameters::draw(s).loose(s));
 }
 
+/// A thick and long wire has the most of it, a short and thin one warms tissue most, and a cold or warm finger lies otherwise
+/// to the alloy's bands.
+#[test]
+fn latent_heat_of_other_wires_and_fingers_adds_less_as_well() {
+    adds_less(|s| {
+        let sized = |s: &mut RandomStream| {
+            let (um, mm) = (pick(s, 50.0, 100.0), pick(s, 3.0, 20.0));
+            let wire = sized(um, mm);
+            Parameters::draw(s).sized(wire, pick(s, 26.0, 36.0))
+        };
+        let p = sized(s);
+        if s.next_u64().is_multiple_of(2) {
+            return p.loose(s);
+        }
+        let latent_heat = pick(s, 12e3, 24e3);
+        let wire = WireParameters {
+            latent_heat,
+            ..p.wire
+        };
+        Parameters { wire, ..p }
+    });
+}
+
 fn adds_less(draw: impl Fn(&mut RandomStream) -> Parameters) {
     let mut s = RandomStream::new(1, "latent");
     let mut worst = [0.0f64; 3];
@@ -45,7 +69,7 @@ fn adds_less(draw: impl Fn(&mut RandomStream) -> Parameters) {
             beside: with.beside.map(|play| play.map(cold)),
             ..with
         };
-        let mut pair = [with, without].map(|w| Wire::new(&w, &p.skin, 33.0).unwrap());
+        let mut pair = [with, without].map(|w| Wire::new(&w, &p.skin, p.skin.body_c).unwrap());
         let mut sums = [0.0f64; 2];
         let mut t = 0;
         for _ in 0..1 + s.next_u64() % 12 {
@@ -65,7 +89,7 @@ fn adds_less(draw: impl Fn(&mut RandomStream) -> Parameters) {
         for (wire, sum) in pair.iter_mut().zip(&mut sums) {
             let mut now = t;
             while now < 10_000_000_000 {
-                *sum += 20e-3 * (wire.tissue(Nanos(now)).0 - 33.0) / 10.0;
+                *sum += 20e-3 * (wire.tissue(Nanos(now)).0 - p.skin.body_c) / 10.0;
                 now += 20_000_000;
             }
         }

@@ -1,5 +1,6 @@
 //! The guard against the full model: its table, its predictions, and hostile schedules.
 
+mod bounds;
 mod counting;
 mod hostile;
 mod kernel;

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use palpate_core::codec::pca9685::PRE_SCALE_RESET;
-use palpate_core::guard::{HARD, Limits};
+use palpate_core::guard::{HARD, Limits, WornWire};
 use palpate_core::physics::{Alloy, Play, TissueParameters, WireParameters};
 use palpate_core::random::RandomStream;
 use palpate_core::units::{Channel, Clock, Milliamps, Prescale};
@@ -110,6 +110,27 @@ impl Parameters {
         Self { wire, ..self }
     }
 
+    /// The same with a wire of another size, on a finger of another temperature at rest.
+    pub fn sized(self, wire: WireParameters, rest_c: f64) -> Self {
+        let wire = WireParameters {
+            diameter_m: wire.diameter_m,
+            length_m: wire.length_m,
+            air_h: wire.air_h,
+            ends_c: rest_c,
+            ..self.wire
+        };
+        let skin = TissueParameters {
+            body_c: rest_c,
+            ..self.skin
+        };
+        Self { wire, skin, ..self }
+    }
+
+    /// What the guard knows of wire and finger.
+    pub fn worn(&self) -> WornWire {
+        WornWire::new(&self.wire, &self.skin)
+    }
+
     /// The same with chips on an external clock, anywhere within its tolerance.
     pub fn clocked(self, s: &mut RandomStream) -> Self {
         let hz = pick(s, 4e6, f64::from(Clock::MOST_HZ));
@@ -184,7 +205,8 @@ impl Rig {
             ..Config::new(ADDRESS)
         });
         chip.set_external_clock(Nanos::ZERO, parameters.external_hz);
-        let wire = Wire::new(&parameters.wire, &parameters.skin, 33.0).unwrap();
+        let rest_c = parameters.skin.body_c;
+        let wire = Wire::new(&parameters.wire, &parameters.skin, rest_c).unwrap();
         let wire = if dose { wire.with_dose() } else { wire };
         Self {
             bus: I2cHandle::new(I2cSegment::new(parameters.clock, vec![chip])),
@@ -197,7 +219,7 @@ impl Rig {
             now: 0,
             next_sample: SAMPLE,
             breach: None,
-            mean_c: 33.0,
+            mean_c: rest_c,
         }
     }
 
@@ -303,11 +325,12 @@ impl Rig {
             tip[1] += self.mean_w(wire, 60 * S);
             let shallow = self.wires[wire].tissue(Nanos(self.now)).0;
             let samples = &mut self.pulses[wire].samples;
-            samples.push_back(shallow - 33.0);
+            let rest_c = self.parameters.skin.body_c;
+            samples.push_back(shallow - rest_c);
             if samples.len() > 200 {
                 samples.pop_front();
             }
-            let mean_c = 33.0 + samples.iter().sum::<f64>() / 200.0;
+            let mean_c = rest_c + samples.iter().sum::<f64>() / 200.0;
             self.mean_c = self.mean_c.max(mean_c);
         }
         self.limit("fingertip power over 1 s", tip[0], 110e-3);

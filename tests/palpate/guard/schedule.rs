@@ -4,7 +4,7 @@ use embedded_hal::i2c::I2c;
 use palpate_core::codec::pca9685::{self as regs, mode1, mode2};
 use palpate_core::driver::Actuators;
 use palpate_core::driver::Pca9685Bank;
-use palpate_core::guard::{Guard, Plant};
+use palpate_core::guard::{Guard, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
@@ -223,18 +223,34 @@ pub fn display() -> Vec<DisplayWire> {
 
 /// The guard of a rig.
 pub fn guard(rig: &Rig) -> Guard {
+    guard_of(rig, rig.parameters.worn())
+}
+
+/// A guard on a rig that takes its wires for others.
+pub fn guard_of(rig: &Rig, worn: WornWire) -> Guard {
     let plant = Plant {
         prescale: rig.parameters.prescale,
         wire_milliohm: (rig.parameters.wire.resistance_ohm * 1e3).round() as u32,
         peak: rig.parameters.current,
         bus: Duration::ZERO,
     };
-    Guard::new(rig.parameters.limits(), plant, &display()).unwrap()
+    Guard::new(rig.parameters.limits(), plant, &display(), worn).unwrap()
 }
 
 /// Plays a schedule through guard and driver. The host is at most `late_us` late with each call.
 pub fn with_guard(rig: &mut Rig, schedule: &Schedule, s: &mut RandomStream, late_us: u64) -> Guard {
-    let mut guard = guard(rig);
+    let guard = guard(rig);
+    through(guard, rig, schedule, s, late_us)
+}
+
+/// The same through some guard.
+pub fn through(
+    mut guard: Guard,
+    rig: &mut Rig,
+    schedule: &Schedule,
+    s: &mut RandomStream,
+    late_us: u64,
+) -> Guard {
     let mut bank = Pca9685Bank::new(rig.bus.clone(), &[ADDRESS], rig.parameters.prescale);
     bank.start(Instant::ZERO).unwrap();
     rig.advance(rig.now() + 500_000);

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use palpate_core::driver::{Actuators, Banks, Driver};
-use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::guard::{Guard, HARD, Plant, WornWire};
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Instant, Milliamps, Ticks};
 use palpate_files::{Bench as BenchFile, Loaded, Setup, Source, load_scene};
@@ -116,7 +116,8 @@ fn driven(file: BenchFile) -> Result<Vec<BTreeSet<Place>>, String> {
         peak: Milliamps(990),
         bus: palpate_core::units::Duration::ZERO,
     };
-    let mut guard = Guard::new(HARD, plant, display.wires()).map_err(|e| format!("{e:?}"))?;
+    let mut guard = Guard::new(HARD, plant, display.wires(), WornWire::default())
+        .map_err(|e| format!("{e:?}"))?;
     let buses = plan::buses(bench);
     let lines = (chips.of_bus.iter().zip(&buses))
         .map(|(segment, addresses)| (chips.segments[*segment].1.clone(), addresses.as_slice()));

@@ -19,7 +19,7 @@ fn a_value_that_is_no_number_is_named_with_its_place_and_changes_nothing() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
         let mut window = good[..4500].to_vec();
         window[37 * 45 + 12] = bad;
-        let error = encoder.encode(&mut encoder.room(1), &window).unwrap_err();
+        let error = encoder.encode(&mut encoder.room(), &window).unwrap_err();
         let SampleError::Value { index, feature, .. } = error else {
             panic!("{error}");
         };
@@ -38,7 +38,7 @@ fn a_value_that_is_no_number_is_named_with_its_place_and_changes_nothing() {
             assert_eq!(one.unwrap(), other.unwrap());
         }
     }
-    let mut room = encoder.room(1);
+    let mut room = encoder.room();
     let short = encoder.encode(&mut room, &good[..4499]);
     assert_eq!(
         short.unwrap_err(),
@@ -53,7 +53,7 @@ fn a_value_that_is_no_number_is_named_with_its_place_and_changes_nothing() {
 fn a_constant_input_is_a_window_of_zeros_whatever_its_level() {
     let model = Seeded::thesis(2);
     let encoder = build(&model);
-    let mut room = encoder.room(1);
+    let mut room = encoder.room();
     let zero = encoder
         .encode(&mut room, &[24_000.0; 4500])
         .unwrap()
@@ -68,7 +68,7 @@ fn a_constant_input_is_a_window_of_zeros_whatever_its_level() {
 fn saturated_and_wild_strokes_stay_in_range_and_near_f64() {
     let model = Seeded::thesis(3);
     let encoder = build(&model);
-    let mut room = encoder.room(1);
+    let mut room = encoder.room();
     for (name, high) in [("saturated", 65_535.0f32), ("far out", 1e7)] {
         let window: Vec<f32> = (0..4500)
             .map(|i| if (i / 45 + i) % 3 == 0 { high } else { 0.0 })
@@ -91,7 +91,7 @@ fn extreme_weights_give_numbers_and_impossible_ones_are_refused() {
         let model = Seeded::new(4, &[45, 96, 3], 100, size);
         let encoder = build(&model);
         let z = encoder
-            .encode(&mut encoder.room(1), &stroke(4, 100, 45))
+            .encode(&mut encoder.room(), &stroke(4, 100, 45))
             .unwrap()
             .to_vec();
         assert!(z.iter().all(|z| z.abs() <= 1.0), "{size}: {z:?}");
@@ -138,7 +138,7 @@ fn a_feature_that_was_constant_in_training_carries_nothing() {
         .skip(9)
         .step_by(45)
         .for_each(|v| *v += 900.0);
-    let mut room = encoder.room(1);
+    let mut room = encoder.room();
     let z = encoder.encode(&mut room, &window).unwrap().to_vec();
     assert_eq!(encoder.encode(&mut room, &other).unwrap(), z);
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use palpate_core::codec::link::MOST;
 use palpate_core::driver::{Actuators, DriverError, UnitDriver, UnitSettings};
-use palpate_core::guard::{Guard, Plant};
+use palpate_core::guard::{Guard, Plant, WornWire};
 use palpate_core::schedule::{Entry, Stimulus};
 use palpate_core::units::{Board, Duration, Instant, Ticks};
 use palpate_emulators::network::{Profile, Way};
@@ -54,7 +54,7 @@ impl Host {
             delay: Duration::from_millis(20),
             resumes: true,
         };
-        let guard = Guard::new(LIMITS, Plant::default(), &WIRES);
+        let guard = Guard::new(LIMITS, Plant::default(), &WIRES, WornWire::default());
         Ok(Self {
             driver: UnitDriver::new(key, nonce, settings),
             guard: guard.map_err(io::Error::other)?,

@@ -23,7 +23,7 @@ impl Pair {
         let guest = Guest::start(machine, &image(&machine, "guard"), Network::Rig);
         Self {
             guest: guest.unwrap(),
-            here: Guard::last_word(LIMITS, Plant::default(), &WIRES, false).unwrap(),
+            here: Guard::last_word(LIMITS, Plant::default(), &WIRES, None).unwrap(),
         }
     }
 

@@ -12,7 +12,7 @@ use std::time::{Duration as Span, Instant as Wall};
 
 use palpate_core::codec::link::{MOST, State};
 use palpate_core::driver::{Actuators, UnitDriver, UnitSettings};
-use palpate_core::guard::{Guard, Plant};
+use palpate_core::guard::{Guard, Plant, WornWire};
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Ticks};
@@ -75,7 +75,7 @@ impl Worn {
             socket,
             chips,
             driver: UnitDriver::new(&KEY, u64::from(port), settings),
-            guard: Guard::new(LIMITS, Plant::default(), &WIRES).unwrap(),
+            guard: Guard::new(LIMITS, Plant::default(), &WIRES, WornWire::default()).unwrap(),
             began: Wall::now(),
             sent: Vec::new(),
             server: Some(server),

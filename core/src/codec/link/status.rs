@@ -26,6 +26,7 @@ impl State {
             Self::Stopped(Cause::LateTick) => 4,
             Self::Stopped(Cause::End) => 5,
             Self::Stopped(Cause::Overrun) => 6,
+            Self::Stopped(Cause::Rezero) => 7,
         }
     }
 
@@ -37,6 +38,7 @@ impl State {
             Cause::LateTick,
             Cause::End,
             Cause::Overrun,
+            Cause::Rezero,
         ];
         let stopped = causes.into_iter().map(Self::Stopped);
         let mut all = core::iter::once(Self::Ready).chain(stopped);

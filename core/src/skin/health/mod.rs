@@ -187,15 +187,20 @@ impl Monitor {
         (rate(changed), rate(received.saturating_sub(1)))
     }
 
-    /// The summary at `now`; allocates nothing.
-    pub fn summary(&mut self, now: Instant) -> HealthSummary {
+    /// The summary at `now`, where every taxel counts by its condition or a worse one that was found before, of all taxels
+    /// or none; allocates nothing.
+    pub fn summary(&mut self, worst: &[Condition], now: Instant) -> HealthSummary {
         let mut s = HealthSummary {
             frames: self.frames,
             repeated: self.repeated,
             ..HealthSummary::default()
         };
         for i in 0..self.taxels.active.len() {
-            match self.condition(i, now) {
+            let condition = self.condition(i, now);
+            match worst
+                .get(i)
+                .map_or(condition, |worst| condition.min(*worst))
+            {
                 Condition::Dead => s.dead += 1,
                 Condition::Frozen => s.frozen += 1,
                 Condition::Saturated => s.saturated += 1,

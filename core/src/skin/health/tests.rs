@@ -26,12 +26,12 @@ fn every_condition_is_told_apart() {
     use Condition::*;
     // taxel 2 sits at the upper end on every other frame, the last one (odd) is just below
     assert_eq!(got, [Good, Frozen, Good, Jumping, Good, Inactive, Inactive]);
-    let sum = m.summary(now);
+    let sum = m.summary(&[], now);
     assert!((sum.refresh_median_hz - 100.0).abs() < 0.1, "{sum:?}");
     assert!(sum.refresh_min_hz.abs() < 1e-6);
     assert_eq!((sum.frozen, sum.jumping, sum.repeated), (1, 1, 0));
     let later = now + Duration::from_millis(1001);
-    assert_eq!(m.summary(later).dead, 5);
+    assert_eq!(m.summary(&[], later).dead, 5);
     s.load(later, &[[5, 5, u16::MAX]; 6]).unwrap();
     m.observe(&s);
     assert_eq!(m.condition(0, later), Saturated);
@@ -84,7 +84,7 @@ fn never_seen_is_dead_and_repeats_are_counted() {
         .unwrap();
         m.observe(&s);
     }
-    let sum = m.summary(s.at());
+    let sum = m.summary(&[], s.at());
     assert_eq!((sum.frames, sum.repeated), (9, 7));
     assert!((sum.received_median_hz - 100.0).abs() < 0.1);
 }

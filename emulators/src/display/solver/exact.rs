@@ -12,7 +12,8 @@ use super::propagators::Propagators;
 use super::regimes::{REGIMES, Regimes};
 use crate::display::finger::dose::Dose;
 use crate::display::finger::{NODES, ThermalNetwork};
-use crate::display::solver::phase::{Branch, Heading, Phase};
+use crate::display::solver::branch::{Branch, Heading};
+use crate::display::solver::phase::Phase;
 use crate::display::solver::record::{Energy, Peaks};
 use crate::display::solver::strain::{Motion, Strain, Worn};
 use crate::display::solver::stretch::Stretch;
@@ -86,7 +87,7 @@ impl Exact {
             return Err(ParameterError { name: "start_c" });
         }
         let network = ThermalNetwork::new(wire, tissue)?;
-        let phase = Phase::new(wire, start_c)?;
+        let phase = Phase::new(wire, tissue, start_c)?;
         let regimes = Regimes::default();
         let resting = regimes.of(
             &network,
@@ -131,7 +132,8 @@ impl Exact {
     /// A parameter that cannot be computed with.
     pub fn wear(&mut self, tissue: &TissueParameters) -> Result<(), ParameterError> {
         let bow = Bow::new(&self.wire, tissue)?;
-        self.worn = Some(Worn::new(&bow, self.wire.length_m, self.strain().total()));
+        let (strain, u_m) = (self.strain().total(), self.phase.u_m(self.wire_c()));
+        self.worn = Some(Worn::new(&bow, self.wire.length_m, strain, u_m));
         self.motion = Motion::default();
         Ok(())
     }
@@ -186,6 +188,18 @@ impl Exact {
         }
     }
 
+    /// Replaces the phases of the wire.
+    #[cfg(test)]
+    pub(crate) fn with_phase(self, phase: Phase) -> Self {
+        Self { phase, ..self }
+    }
+
+    /// Displacement of the bow from its sag, m.
+    #[cfg(test)]
+    pub(crate) fn bow_m(&self) -> f64 {
+        self.phase.u_m(self.wire_c())
+    }
+
     /// The same, stepped with these vectors.
     #[cfg(test)]
     pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
@@ -233,6 +247,11 @@ impl Exact {
     /// Strain at the time computed up to.
     pub fn strain(&self) -> Strain {
         self.phase.strain(self.wire_c())
+    }
+
+    /// True if the bow has been past the tightest that the model knows.
+    pub(crate) const fn was_tight(&self) -> bool {
+        self.phase.was_tight()
     }
 
     /// Displacement of the skin from rest at the time computed up to, m, positive into it; 0 without [`Self::wear`].
@@ -333,8 +352,7 @@ impl Exact {
     /// The same without doing it: what the skin would do, where the wire is worn.
     fn reach(&self, t: f64, branch: &mut Branch) -> Option<Motion> {
         let worn = self.worn.as_ref()?;
-        let (strain, rises) = (self.phase.strain(t).total(), self.heading == Heading::Up);
-        let (motion, (low, high)) = worn.motion(t, strain, branch.strain, rises);
+        let (motion, (low, high)) = self.phase.motion(worn, t, branch, self.heading);
         branch.low = branch.low.max(low);
         branch.high = branch.high.min(high);
         Some(motion)
@@ -387,7 +405,7 @@ impl Exact {
 
     fn turn(&mut self, heading: Heading) {
         self.heading = heading;
-        self.phase.commit(self.wire_c());
+        self.phase.commit(self.wire_c(), heading);
     }
 
     /// Enters the regime `key`, taking the state along.

@@ -2,6 +2,7 @@
 //!
 //! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
 
+pub(crate) mod branch;
 pub(crate) mod decay;
 mod eigen;
 pub mod exact;
@@ -9,7 +10,8 @@ mod highest;
 mod lanes;
 mod maxima;
 pub mod modal;
-mod phase;
+pub(crate) mod phase;
+mod plays;
 mod propagators;
 pub mod record;
 mod regimes;

@@ -1,245 +1,180 @@
-//! The phases of a wire: parallel plays, whose hysteresis is piecewise linear in temperature.
+//! The phases of a wire, by what is known of it: plays in parallel, or phases that exclude one another in a bow.
 //!
-//! Between two thresholds every share changes evenly with temperature, so the heat balance stays linear and the solver
-//! exact. The memory changes only at events (a turn of the temperature, a threshold passed), which makes it
-//! independent of how time is cut.
-//!
-//! So does the strain, so that what the skin feels is linear in the wire's temperature as well. The expansion of a play
-//! that transforms would bend it: its last part turns at a higher temperature than its first, and changes its length by
-//! another difference of expansions. Here every part of a play changes its length alike; over a band that is at most a
-//! quarter of (alpha_M - alpha_A) times its width, 1.1e-5, from the bent line, and nothing at its ends.
+//! [`Plays`] go with [`Worn`], the linear bow: once every wire has a history, both go, and [`Phase`] is what
+//! [`Exclusive`] is.
 
-use palpate_core::physics::{ParameterError, WireParameters};
+use std::sync::Arc;
 
-use super::strain::Strain;
+use palpate_core::physics::{Law, ParameterError, Phases, TissueParameters, WireParameters};
 
-/// Which way the wire's temperature is going.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heading {
-    /// Heating.
-    Up,
-    /// Cooling.
-    Down,
-}
-
-/// A range of temperature in which the law is one straight line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Branch {
-    /// d xi/dT of the martensite, 1/K; never positive.
-    pub slope: f64,
-    /// Latent heat that a kelvin takes up or releases, J/K; never negative.
-    pub latent: f64,
-    /// Change of the total strain, 1/K.
-    pub strain: f64,
-    /// Holds down to here, degrees C.
-    pub low: f64,
-    /// Holds up to here, degrees C.
-    pub high: f64,
-    /// Whether it ends when the temperature turns.
-    pub one_way: bool,
-}
-
-/// Temperatures this close count as the same threshold, K.
-const SAME: f64 = 2e-11;
-
-/// One play with its memory.
-#[derive(Clone, Copy, Debug)]
-struct Share {
-    austenite: (f64, f64),
-    martensite: (f64, f64),
-    /// Part of the martensite fraction.
-    weight: f64,
-    /// Latent heat, J.
-    latent: f64,
-    /// Cold against hot: difference of the strains by stress and by phase, and of the expansions (1/K).
-    elastic: f64,
-    strain: f64,
-    expansion: f64,
-    memory: f64,
-}
-
-impl Share {
-    /// Upper bound of p: all martensite until heated past austenite start.
-    fn heating(&self, t: f64) -> f64 {
-        ((self.austenite.1 - t) / (self.austenite.1 - self.austenite.0)).clamp(0.0, 1.0)
-    }
-
-    /// Lower bound of p: no martensite until cooled past martensite start.
-    fn cooling(&self, t: f64) -> f64 {
-        ((self.martensite.0 - t) / (self.martensite.0 - self.martensite.1)).clamp(0.0, 1.0)
-    }
-
-    fn fraction(&self, t: f64) -> f64 {
-        self.memory.max(self.cooling(t)).min(self.heating(t))
-    }
-
-    /// Where heating from this memory begins to transform.
-    fn upper(&self) -> f64 {
-        let (start, finish) = self.austenite;
-        if self.memory > 0.0 {
-            finish - self.memory * (finish - start)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    /// Where cooling from this memory begins to transform.
-    fn lower(&self) -> f64 {
-        let (start, finish) = self.martensite;
-        if self.memory < 1.0 {
-            start - self.memory * (start - finish)
-        } else {
-            f64::NEG_INFINITY
-        }
-    }
-    /// Width of the band, K, that a part of it would pass next; between both bands, by the way to go to each.
-    fn width(&self, t: f64, p: f64) -> (f64, f64) {
-        let warm = self.austenite.1 - self.austenite.0;
-        let cold = self.martensite.0 - self.martensite.1;
-        let (up, down) = (self.austenite.1 - p * warm, self.martensite.0 - p * cold);
-        let gap = up - down;
-        if warm.to_bits() == cold.to_bits() || gap <= SAME {
-            return (warm, 0.0);
-        }
-        let slope = (warm - cold) / gap;
-        (cold + (t - down).clamp(0.0, gap) * slope, slope)
-    }
-
-    /// Strain by expansion beyond the austenite's at `t`, `away` from the temperature of none, in p (T - T0).
-    fn expansion(&self, t: f64, away: f64) -> f64 {
-        let p = self.fraction(t);
-        self.expansion * (p * away + p * (p - 1.0) * self.width(t, p).0)
-    }
-
-    /// Adds to a branch what this play does on it.
-    fn join(&self, branch: &mut Branch, t: f64, heading: Heading, rest_c: f64) {
-        let (upper, lower) = (self.upper(), self.lower());
-        let mut band = None;
-        if heading == Heading::Up && t >= upper - SAME {
-            if t < self.austenite.1 - SAME {
-                band = Some((self.austenite.1, self.austenite.1 - self.austenite.0));
-                branch.high = branch.high.min(self.austenite.1);
-            }
-        } else {
-            branch.high = branch.high.min(upper);
-        }
-        if heading == Heading::Down && t <= lower + SAME {
-            if t > self.martensite.1 + SAME {
-                band = Some((self.martensite.0, self.martensite.0 - self.martensite.1));
-                branch.low = branch.low.max(self.martensite.1);
-            }
-        } else {
-            branch.low = branch.low.max(lower);
-        }
-        if let Some((hot, width)) = band {
-            let per_kelvin = 1.0 / width;
-            branch.slope -= self.weight / width;
-            branch.latent += self.latent * per_kelvin;
-            branch.strain -= (self.elastic + self.strain) * per_kelvin;
-            branch.strain += self.expansion * (1.0 - (hot - rest_c) * per_kelvin);
-            branch.one_way = true;
-        } else {
-            let p = self.fraction(t);
-            branch.strain += self.expansion * (p + p * (p - 1.0) * self.width(t, p).1);
-        }
-    }
-}
+use super::branch::{Branch, Heading};
+use super::plays::Plays;
+use super::strain::{Motion, Strain, Worn};
 
 /// The phases of one wire.
 #[derive(Clone, Debug)]
-pub struct Phase {
-    plays: Vec<Share>,
-    /// As austenite: strain by stress, and expansion, 1/K.
-    elastic: f64,
-    expansion: f64,
-    /// Temperature of no thermal strain, degrees C.
-    rest_c: f64,
+pub enum Phase {
+    /// Plays in parallel: a wire without a history.
+    Parallel(Plays),
+    /// Phases that exclude one another: a wire with a history.
+    Exclusive(Box<Exclusive>),
+}
+
+/// Phases that exclude one another, in a bow that saturates.
+#[derive(Clone, Debug)]
+pub struct Exclusive {
+    law: Arc<Law>,
+    phases: Phases,
+    /// True once the bow has been past the tightest that the model knows.
+    tight: bool,
 }
 
 impl Phase {
-    /// As after cooling from far below, then heating to `start_c`: martensite unless hot.
+    /// Makes the phases of a wire on a finger at rest at `start_c`: by its history, or else as after heating from far below.
     ///
     /// # Errors
-    /// Branches of the hysteresis that touch or cross.
-    pub fn new(wire: &WireParameters, start_c: f64) -> Result<Self, ParameterError> {
-        let m = &wire.mechanics;
-        let compliance = 1.0 / m.modulus_martensite_pa - 1.0 / m.modulus_austenite_pa;
-        let plays = wire.plays()?.into_iter().map(|play| Share {
-            austenite: (play.bands.austenite_start_c, play.bands.austenite_finish_c),
-            martensite: (
-                play.bands.martensite_start_c,
-                play.bands.martensite_finish_c,
-            ),
-            weight: play.martensite,
-            latent: wire.mass() * play.latent_heat,
-            elastic: wire.bias_stress_pa * compliance * play.martensite,
-            strain: play.strain,
-            expansion: (m.expansion_martensite - m.expansion_austenite) * play.martensite,
-            memory: 1.0,
-        });
-        let mut phase = Self {
-            plays: plays.collect(),
-            elastic: wire.bias_stress_pa / m.modulus_austenite_pa,
-            expansion: m.expansion_austenite,
-            rest_c: m.rest_c,
-        };
-        phase.commit(start_c);
-        Ok(phase)
+    /// A parameter that cannot be computed with.
+    pub fn new(
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
+        match wire.history {
+            None => Plays::new(wire, start_c).map(Self::Parallel),
+            Some(_) => {
+                let law = Law::new(wire, tissue, start_c)?;
+                Exclusive::new(law).map(|e| Self::Exclusive(Box::new(e)))
+            }
+        }
     }
 
     /// Martensite fraction at `t` degrees C, reached without a turn since the last event; in [0, 1].
     pub fn fraction(&self, t: f64) -> f64 {
-        let mut xi = 0.0;
-        for p in &self.plays {
-            xi += p.weight * p.fraction(t);
+        match self {
+            Self::Parallel(plays) => plays.fraction(t),
+            Self::Exclusive(e) => e.phases.fractions(t)[0],
         }
-        xi.clamp(0.0, 1.0)
     }
 
-    /// Latent heat that the wire holds at `t`, reached in such a way, J: none where all of it is cold.
+    /// Latent heat that the wire holds at `t`, reached without a turn since the last event, J: none where all of it is martensite.
     pub fn latent_j(&self, t: f64) -> f64 {
-        self.plays
-            .iter()
-            .map(|p| p.latent * (1.0 - p.fraction(t)))
-            .sum()
+        match self {
+            Self::Parallel(plays) => plays.latent_j(t),
+            Self::Exclusive(e) => e.phases.latent_j(&e.law, t),
+        }
     }
 
-    /// Strain at `t`, reached in such a way.
+    /// Strain at `t`, reached without a turn since the last event.
     pub fn strain(&self, t: f64) -> Strain {
-        let away = t - self.rest_c;
-        let mut strain = Strain {
-            elastic: self.elastic,
-            phase: 0.0,
-            thermal: self.expansion * away,
-        };
-        for p in &self.plays {
-            strain.elastic += p.elastic * p.fraction(t);
-            strain.phase += p.strain * p.fraction(t);
-            strain.thermal += p.expansion(t, away);
+        match self {
+            Self::Parallel(plays) => plays.strain(t),
+            Self::Exclusive(e) => e.strain(t),
         }
-        strain
     }
 
     /// The straight piece that leads on from `t`.
     pub fn branch(&self, t: f64, heading: Heading) -> Branch {
-        let mut branch = Branch {
-            slope: 0.0,
-            latent: 0.0,
-            strain: self.expansion,
-            low: f64::NEG_INFINITY,
-            high: f64::INFINITY,
-            one_way: false,
-        };
-        for p in &self.plays {
-            p.join(&mut branch, t, heading, self.rest_c);
+        match self {
+            Self::Parallel(plays) => plays.branch(t, heading),
+            Self::Exclusive(e) => e.branch(),
         }
-        branch
     }
 
-    /// The temperature turned or passed a threshold at `t`: what has transformed is remembered.
-    pub fn commit(&mut self, t: f64) {
-        for p in &mut self.plays {
-            p.memory = p.fraction(t);
+    /// Motion of the skin from `t` on under a wire that is worn, and the temperatures between which it holds.
+    pub fn motion(
+        &self,
+        worn: &Worn,
+        t: f64,
+        branch: &Branch,
+        heading: Heading,
+    ) -> (Motion, (f64, f64)) {
+        match self {
+            Self::Parallel(plays) => {
+                let rises = heading == Heading::Up;
+                worn.motion(t, plays.strain(t).total(), branch.strain, rises)
+            }
+            // Where skin and wire part the bow has a knot.
+            Self::Exclusive(e) => (e.motion(worn, t), (f64::NEG_INFINITY, f64::INFINITY)),
         }
+    }
+
+    /// Displacement of the bow from its sag at `t`, m; a wire without a history has its sag at rest.
+    pub fn u_m(&self, t: f64) -> f64 {
+        match self {
+            Self::Parallel(_) => 0.0,
+            Self::Exclusive(e) => e.phases.u_m(&e.law, t),
+        }
+    }
+
+    /// Takes a turn of the temperature or a threshold passed at `t`.
+    pub fn commit(&mut self, t: f64, heading: Heading) {
+        match self {
+            Self::Parallel(plays) => plays.commit(t),
+            Self::Exclusive(e) => e.commit(t, heading),
+        }
+    }
+
+    /// True once the bow has been past nine tenths of its sag.
+    pub const fn was_tight(&self) -> bool {
+        match self {
+            Self::Parallel(_) => false,
+            Self::Exclusive(e) => e.tight,
+        }
+    }
+}
+
+impl Exclusive {
+    /// A wire at rest.
+    ///
+    /// # Errors
+    /// A rest that cannot be.
+    pub(crate) fn new(law: Law) -> Result<Self, ParameterError> {
+        let phases = Phases::rest(&law)?;
+        Ok(Self {
+            law: Arc::new(law),
+            phases,
+            tight: false,
+        })
+    }
+
+    fn strain(&self, t: f64) -> Strain {
+        let (law, thermal) = (&*self.law, self.phases.thermal_strain(&self.law, t));
+        Strain {
+            elastic: law.elastic(self.phases.stress_pa(law, t)),
+            phase: self.phases.strain_at(t) + law.rest_strain() - thermal,
+            thermal,
+        }
+    }
+
+    fn branch(&self) -> Branch {
+        let line = self.phases.line_on();
+        Branch {
+            slope: line.martensite,
+            latent: line.latent,
+            strain: line.strain,
+            low: line.low,
+            high: line.high,
+            one_way: line.one_way,
+        }
+    }
+
+    fn motion(&self, worn: &Worn, t: f64) -> Motion {
+        let (at_m, m_per_k) = match self.phases.is_apart(&self.law) {
+            true => (worn.parting_m - worn.rest_m, 0.0),
+            false => (
+                self.phases.u_m(&self.law, t) - worn.rest_m,
+                self.phases.line_on().u_m,
+            ),
+        };
+        Motion {
+            at_m,
+            m_per_k,
+            from_c: t,
+        }
+    }
+
+    fn commit(&mut self, t: f64, heading: Heading) {
+        self.phases.commit(&self.law, t, heading == Heading::Up);
+        self.tight |= self.phases.is_tight(&self.law);
     }
 }

@@ -5,11 +5,11 @@ use palpate_core::physics::Bow;
 /// Parts of the strain, 1; positive is longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain {
-    /// sigma / E(xi), Reuss mean of the two moduli.
+    /// sigma / E(xi), Reuss mean of the two moduli; of a wire with a history sigma / E of martensite, as its bow has it.
     pub elastic: f64,
-    /// Sum of the plays' strains.
+    /// Sum of the phases' strains.
     pub phase: f64,
-    /// alpha(xi) (T - T0). Over a band it is straightened (see [`super::phase`]).
+    /// alpha(xi) (T - T0). Over a band it is straightened (see [`super::plays`]).
     pub thermal: f64,
 }
 
@@ -49,21 +49,24 @@ pub struct Worn {
     /// Strain over which skin and wire are apart, 1.
     parting: f64,
     /// Displacement then, m.
-    parting_m: f64,
+    pub(super) parting_m: f64,
+    /// Displacement of the bow from its sag when both were put together, m.
+    pub(super) rest_m: f64,
 }
 
 /// Strains closer than this are the same; rounding is a hundredth of it.
 const SAME: f64 = 1e-15;
 
 impl Worn {
-    /// A wire of this length that lies on the skin at a strain.
-    pub fn new(bow: &Bow, length_m: f64, rest: f64) -> Self {
+    /// A wire of this length that lies on the skin at a strain, its bow `rest_m` from its sag.
+    pub fn new(bow: &Bow, length_m: f64, rest: f64, rest_m: f64) -> Self {
         let gain_m = bow.gain * length_m;
         Self {
             gain_m,
             rest,
             parting: rest - bow.parting_m / gain_m,
             parting_m: bow.parting_m,
+            rest_m,
         }
     }
 

@@ -229,7 +229,8 @@ impl Wire {
         Self::of(self.solver.ahead_with_books())
     }
 
-    const fn of(solver: Exact) -> Self {
+    /// A wire on this solver, without bursts or pulses.
+    pub(crate) const fn of(solver: Exact) -> Self {
         Self {
             solver,
             pulse: None,
@@ -247,6 +248,12 @@ impl Wire {
     pub fn tissue(&mut self, at: Nanos) -> (f64, f64) {
         self.advance(at);
         self.solver.tissue_c()
+    }
+
+    /// True if the bow has been past the tightest that the model knows until `at`.
+    pub fn was_tight(&mut self, at: Nanos) -> bool {
+        self.advance(at);
+        self.solver.was_tight()
     }
 
     /// Resistance between the terminals at `at`, Ohm.

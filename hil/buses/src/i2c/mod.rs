@@ -1,8 +1,8 @@
 //! Linux I2C buses for the core's driver: a thread a bus, because a transfer may take as long as the
 //! adapter likes, and the loop may not.
 //!
-//! Linux has no I2C transfer that does not block, so the thread stands behind an async face ([`Line`]), and a
-//! face that waits in it ([`Blocking`]) for the core's driver, which knows no executor.
+//! Linux has no I2C transfer that does not block, so the thread does it, and [`Line`] waits for the thread no longer
+//! than its limit.
 
 mod adapter;
 mod direct;
@@ -14,15 +14,13 @@ pub use direct::Direct;
 pub use fault::{Fault, FaultKind, FaultWords};
 pub use shared::SharedLine;
 
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{
+    Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, channel, sync_channel,
+};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use embedded_hal::i2c::{ErrorType, I2c as BlockingI2c, Operation};
-use embedded_hal_async::i2c::I2c as AsyncI2c;
-use tokio::runtime::Runtime;
-use tokio::sync::oneshot::{self, error::TryRecvError};
-use tokio::time::{Instant, MissedTickBehavior, interval_at, sleep};
+use embedded_hal::i2c::{ErrorType, I2c, Operation};
 
 use crate::pulse::Pulse;
 use crate::sys::{fifo_priority, set_fifo_priority};
@@ -71,17 +69,17 @@ struct Request {
     read: usize,
     /// The real-time priority of the caller, who waits for the answer.
     priority: Option<u8>,
-    answer: oneshot::Sender<Answer>,
+    answer: SyncSender<Answer>,
 }
 
-/// A bus: transactions are awaited, but no longer than their limit.
+/// A bus for those who wait, the core's driver and the guardian, but no longer than a transaction's limit.
 #[derive(Debug)]
 pub struct Line {
     name: String,
     requests: Option<Sender<Request>>,
     /// The answer of a transaction that took too long. While it is out, nothing else is sent: a queue
     /// would carry out orders whose caller has given up.
-    overdue: Option<oneshot::Receiver<Answer>>,
+    overdue: Option<Receiver<Answer>>,
     limit: Duration,
     /// Heartbeat while the loop waits.
     pulse: Option<Pulse>,
@@ -90,7 +88,7 @@ pub struct Line {
 }
 
 /// Serves a bus until its last caller is gone. The thread takes on the real-time priority of each caller that has one.
-fn serve(mut adapter: impl Adapter, orders: &std::sync::mpsc::Receiver<Request>) {
+fn serve(mut adapter: impl Adapter, orders: &Receiver<Request>) {
     let mut priority = None;
     loop {
         match orders.recv_timeout(REST) {
@@ -144,20 +142,16 @@ impl Line {
         self.last.as_ref()
     }
 
-    async fn exchange(
-        &mut self,
-        address: u8,
-        write: &[u8],
-        read: &mut [u8],
-    ) -> Result<(), FaultKind> {
-        if let Some(mut overdue) = self.overdue.take() {
-            // The answer came too late for its caller.
+    #[allow(clippy::disallowed_methods)] // how long a real adapter hangs has no emulated time
+    fn exchange(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
+        if let Some(overdue) = self.overdue.take() {
+            // What it says came too late for its caller.
             if overdue.try_recv() == Err(TryRecvError::Empty) {
                 self.overdue = Some(overdue);
                 return Err(FaultKind::Stuck);
             }
         }
-        let (answer, mut answered) = oneshot::channel();
+        let (answer, answered) = sync_channel(1);
         let request = Request {
             address,
             write: write.to_vec(),
@@ -169,25 +163,24 @@ impl Line {
         let Some(Ok(())) = sent else {
             return Err(FaultKind::Gone);
         };
-        let limit = sleep(self.limit);
-        tokio::pin!(limit);
-        let mut beat = interval_at(Instant::now() + BEAT, BEAT);
-        beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let answer = loop {
-            tokio::select! {
-                biased;
-                answer = &mut answered => break answer,
-                () = &mut limit => {
+        let began = Instant::now();
+        let bytes = loop {
+            let left = self.limit.saturating_sub(began.elapsed());
+            match answered.recv_timeout(left.min(BEAT)) {
+                Ok(answer) => break answer?,
+                // No answer: the thread has ended.
+                Err(RecvTimeoutError::Disconnected) => return Err(FaultKind::Gone),
+                Err(RecvTimeoutError::Timeout) if began.elapsed() >= self.limit => {
                     self.overdue = Some(answered);
                     return Err(FaultKind::Stuck);
                 }
-                _ = beat.tick() => if let Some(pulse) = &self.pulse {
-                    pulse.beat();
-                },
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Some(pulse) = &self.pulse {
+                        pulse.beat();
+                    }
+                }
             }
         };
-        // No answer: the thread has ended.
-        let bytes = answer.map_err(|_| FaultKind::Gone)??;
         read.copy_from_slice(&bytes);
         Ok(())
     }
@@ -197,14 +190,10 @@ impl ErrorType for Line {
     type Error = Fault;
 }
 
-impl AsyncI2c for Line {
-    /// Writes, then reads, as the driver does. Adjacent writes become one message, since adapters that can chain
-    /// messages without a START are rare.
-    async fn transaction(
-        &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-    ) -> Result<(), Fault> {
+impl I2c for Line {
+    /// Writes, then reads: what the driver uses. Adjacent writes become one message, since adapters that
+    /// can chain messages without a START are rare.
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Fault> {
         let mut write = Vec::new();
         let mut lengths = 0;
         let mut ordered = true;
@@ -219,7 +208,7 @@ impl AsyncI2c for Line {
         }
         let mut read = vec![0; lengths];
         let result = if ordered {
-            self.exchange(address, &write, &mut read).await
+            self.exchange(address, &write, &mut read)
         } else {
             Err(FaultKind::Unsupported)
         };
@@ -253,50 +242,6 @@ impl Drop for Line {
         {
             let _ = thread.join();
         }
-    }
-}
-
-/// A bus for callers that wait: the core's driver, the guardian.
-#[derive(Debug)]
-pub struct Blocking {
-    line: Line,
-    /// Runtime of the waiting: a timer and nothing else.
-    waiter: Runtime,
-}
-
-impl Blocking {
-    /// [`Line::new`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn new(adapter: impl Adapter + 'static, limit: Duration) -> std::io::Result<Self> {
-        Ok(Self {
-            line: Line::new(adapter, limit)?,
-            waiter: tokio::runtime::Builder::new_current_thread()
-                .enable_time()
-                .build()?,
-        })
-    }
-
-    /// [`Line::set_pulse`].
-    pub fn set_pulse(&mut self, pulse: Pulse) {
-        self.line.set_pulse(pulse);
-    }
-
-    /// [`Line::last_fault`].
-    pub const fn last_fault(&self) -> Option<&Fault> {
-        self.line.last_fault()
-    }
-}
-
-impl ErrorType for Blocking {
-    type Error = Fault;
-}
-
-impl BlockingI2c for Blocking {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Fault> {
-        let transaction = AsyncI2c::transaction(&mut self.line, address, operations);
-        self.waiter.block_on(transaction)
     }
 }
 

@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use embedded_hal::i2c::{ErrorType, I2c, Operation};
 
-use super::{Blocking, Fault};
+use super::{Fault, Line};
 use crate::pulse::{Pulse, Round};
 
 /// One loop's end of a bus.
 #[derive(Debug)]
 pub struct SharedLine {
-    line: Arc<Mutex<Blocking>>,
+    line: Arc<Mutex<Line>>,
     /// The loops that wait for the bus or for its answer.
     waiting: Arc<AtomicU32>,
     /// Bit of this loop.
@@ -23,12 +23,7 @@ pub struct SharedLine {
 impl SharedLine {
     /// A bus for the loops of these numbers, an end each. While a transfer goes on the loops that wait for it count as
     /// alive: its limit bounds the wait of all of them.
-    pub fn share(
-        mut line: Blocking,
-        pulse: Pulse,
-        round: &Arc<Round>,
-        loops: &[usize],
-    ) -> Vec<Self> {
+    pub fn share(mut line: Line, pulse: Pulse, round: &Arc<Round>, loops: &[usize]) -> Vec<Self> {
         let waiting = Arc::new(AtomicU32::new(0));
         line.set_pulse(pulse.among(Arc::clone(round), Arc::clone(&waiting)));
         let line = Arc::new(Mutex::new(line));
@@ -51,7 +46,7 @@ impl SharedLine {
         self.with(|_| ());
     }
 
-    fn with<T>(&self, act: impl FnOnce(&mut Blocking) -> T) -> T {
+    fn with<T>(&self, act: impl FnOnce(&mut Line) -> T) -> T {
         self.waiting.fetch_or(self.own, Ordering::Relaxed);
         // A loop that panicked in a transfer has spoilt no other's: the line knows of an answer that is out.
         let done = act(&mut self.line.lock().unwrap_or_else(PoisonError::into_inner));

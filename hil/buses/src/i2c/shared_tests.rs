@@ -43,7 +43,7 @@ fn two() -> (
         refused: 0x41,
         hold: Arc::clone(&hold),
     };
-    let line = Blocking::new(double, Duration::from_millis(100)).unwrap();
+    let line = Line::new(double, Duration::from_millis(100)).unwrap();
     let round = Arc::new(Round::new(3));
     let pulse = Pulse::new(Arc::new(ours), b'.');
     let ends = SharedLine::share(line, pulse, &round, &[0, 1]);

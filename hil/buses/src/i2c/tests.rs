@@ -18,7 +18,7 @@ struct Double {
     fault: Option<FaultKind>,
 }
 
-type Seen = (Blocking, Writes, Arc<Mutex<()>>);
+type Seen = (Line, Writes, Arc<Mutex<()>>);
 
 fn line(fault: Option<FaultKind>) -> Seen {
     let (writes, hold) = (Arc::default(), Arc::default());
@@ -27,7 +27,7 @@ fn line(fault: Option<FaultKind>) -> Seen {
         hold: Arc::clone(&hold),
         fault,
     };
-    let line = Blocking::new(double, Duration::from_millis(20)).unwrap();
+    let line = Line::new(double, Duration::from_millis(20)).unwrap();
     (line, writes, hold)
 }
 
@@ -129,11 +129,11 @@ impl Adapter for Ranked {
 #[test]
 fn the_thread_of_a_bus_has_the_priority_of_who_waits_for_it() {
     let (told, ranks) = channel();
-    let mut line = Blocking::new(Ranked(told), Duration::from_millis(500)).unwrap();
+    let mut line = Line::new(Ranked(told), Duration::from_millis(500)).unwrap();
     // This test has a thread of its own, and the system may allow it none but the ordinary priority.
     for wanted in [None, Some(1), Some(2)] {
         let _ = wanted.map(set_fifo_priority);
-        BlockingI2c::write(&mut line, 0x40, &[0]).unwrap();
+        line.write(0x40, &[0]).unwrap();
         assert_eq!(ranks.recv(), Ok(fifo_priority()));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use palpate_core::guard::{HARD, Plant, Used, WireMemory};
+use palpate_core::guard::{HARD, Plant, Used, WireMemory, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Point, Ticks};
@@ -61,7 +61,7 @@ fn guard(wires: usize) -> Guard {
         channel: Channel(channel),
     };
     let wires: Vec<_> = (0..wires as u8).map(wire).collect();
-    Guard::new(HARD, Plant::default(), &wires).unwrap()
+    Guard::new(HARD, Plant::default(), &wires, WornWire::default()).unwrap()
 }
 
 fn used(memory: &Memory) -> Used {

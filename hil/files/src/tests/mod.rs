@@ -4,6 +4,7 @@ mod bad_scene;
 mod bad_toml;
 mod converters;
 mod displays;
+mod mutations;
 mod overrides;
 mod shipped;
 mod touches;

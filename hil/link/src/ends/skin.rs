@@ -22,7 +22,7 @@ use zenoh::{Session, Wait as _};
 
 use super::answers::{Answers, SECOND, Wearers};
 use super::shrunk::{Shrunk, levels};
-use super::skins::{WithSkin, open};
+use super::skins::open;
 use crate::cli::{Kind, SkinArgs, after};
 use crate::judge::Head;
 use crate::message::{self, About, Body, Frame, Scanned, Touched, VERSION};
@@ -72,7 +72,9 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
         net: &net,
         again: again.as_ref(),
     };
-    open(&setup, args, publishing)
+    open(&setup, args, |skin, clock, end| {
+        publishing.publish(skin, clock, end)
+    })
 }
 
 /// Asks the holders of an access list whether this machine may publish the finger: zenoh itself drops in silence.
@@ -169,8 +171,9 @@ struct Turns<'a> {
     supervisor: Supervisor,
 }
 
-impl WithSkin for Publishing<'_> {
-    fn with<S: Sensed>(self, mut skin: S, clock: RunClock, end: Instant) -> Result<(), Failure> {
+impl Publishing<'_> {
+    /// Publishes this skin until `end` at the latest. The skin's own time is the clock's.
+    fn publish(self, skin: &mut dyn Sensed, clock: RunClock, end: Instant) -> Result<(), Failure> {
         let (args, net) = (self.args, self.net);
         let is_emulated = self.setup.bench.value.kind == BenchKind::Emulated;
         let truth = match args.replay.is_empty() && is_emulated {
@@ -238,14 +241,14 @@ impl WithSkin for Publishing<'_> {
             supervisor: Supervisor::new(Policy::REAL.give_up),
             of: self,
         };
-        turns.until(&mut skin, end, journal, &answers.wearers)
+        turns.until(skin, end, journal, &answers.wearers)
     }
 }
 
 impl Turns<'_> {
-    fn until<S: Sensed>(
+    fn until(
         mut self,
-        skin: &mut S,
+        skin: &mut dyn Sensed,
         end: Instant,
         mut journal: Journal,
         wearers: &Mutex<Wearers>,
@@ -300,8 +303,8 @@ impl Turns<'_> {
         ended
     }
 
-    /// Tells silent boards to send, and notes events of the buses.
-    fn look_after<S: Sensed>(&mut self, skin: &mut S, now: Instant) {
+    /// Boards that are silent are told to send, and what befell a bus is told.
+    fn look_after(&mut self, skin: &mut dyn Sensed, now: Instant) {
         let mut events = Vec::new();
         while let Some(note) = skin.note() {
             events.push(Event::note(note.at, note.text));

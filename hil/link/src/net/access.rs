@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::name::{Name, ROOT};
 
 /// A machine or program of the lab.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Member {
     /// The name in its certificate.

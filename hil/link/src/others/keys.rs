@@ -7,15 +7,14 @@ use crate::cli::KeysArgs;
 use crate::name::Name;
 use crate::net::{Lab, Member};
 
+/// Writes into a member what its kind may do, with the fingers that were named.
+type Grant = fn(&mut Member, Option<Vec<String>>);
+
 /// A name, and fingers after `=`.
-fn split(
-    option: &str,
-    text: &str,
-    without: impl Fn(&str) -> String,
-) -> Result<(String, Vec<String>), Failure> {
+fn split(option: &str, text: &str) -> Result<(String, Option<Vec<String>>), Failure> {
     let (name, fingers) = match text.split_once('=') {
-        Some((name, fingers)) => (name, fingers.split(',').map(str::to_owned).collect()),
-        None => (text, vec![without(text)]),
+        Some((name, fingers)) => (name, Some(fingers.split(',').map(str::to_owned).collect())),
+        None => (text, None),
     };
     let name: Name = name
         .parse()
@@ -28,41 +27,30 @@ fn split(
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &KeysArgs) -> Result<(), Failure> {
-    let member = |name: String| Member {
-        name,
-        publishes: Vec::new(),
-        feels: Vec::new(),
-        watches: false,
-        relays: false,
-    };
+    let kinds: [(&str, &[String], Grant); 4] = [
+        ("--robot", &args.robot, |robot, fingers| {
+            let own = vec![format!("{}/*/*", robot.name)];
+            robot.publishes = fingers.unwrap_or(own);
+        }),
+        ("--wearer", &args.wearer, |wearer, fingers| {
+            wearer.feels = fingers.unwrap_or_else(|| vec!["*/*/*".into()]);
+        }),
+        ("--relay", &args.relay, |relay, _| relay.relays = true),
+        ("--watcher", &args.watcher, |watcher, _| {
+            watcher.watches = true;
+        }),
+    ];
     let mut wanted = Vec::new();
-    for text in &args.robot {
-        let (name, publishes) = split("--robot", text, |name| format!("{name}/*/*"))?;
-        wanted.push(Member {
-            publishes,
-            ..member(name)
-        });
-    }
-    for text in &args.wearer {
-        let (name, feels) = split("--wearer", text, |_| "*/*/*".into())?;
-        wanted.push(Member {
-            feels,
-            ..member(name)
-        });
-    }
-    for text in &args.relay {
-        let (name, _) = split("--relay", text, |_| String::new())?;
-        wanted.push(Member {
-            relays: true,
-            ..member(name)
-        });
-    }
-    for text in &args.watcher {
-        let (name, _) = split("--watcher", text, |_| String::new())?;
-        wanted.push(Member {
-            watches: true,
-            ..member(name)
-        });
+    for (option, texts, grant) in kinds {
+        for text in texts {
+            let (name, fingers) = split(option, text)?;
+            let mut member = Member {
+                name,
+                ..Member::default()
+            };
+            grant(&mut member, fingers);
+            wanted.push(member);
+        }
     }
     if wanted.is_empty() {
         return Err(Failure::Input(

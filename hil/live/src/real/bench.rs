@@ -6,7 +6,7 @@ use std::time::Duration;
 use palpate_buses::can::{CanBuses, Note, Tally};
 use palpate_buses::guardian::{Guardian, Latch, StartError, Watch, WatchedBus};
 use palpate_buses::hardware::Hardware;
-use palpate_buses::i2c::{Blocking, LinuxAdapter};
+use palpate_buses::i2c::{Line, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
@@ -96,14 +96,13 @@ pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Opens every adapter, and the guardian over them, last: from then on it can switch off. Returns the boards that it
-/// found driving, too.
-pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String), Failure> {
+/// Every adapter, and the guardian over them, last: from then on it can say off. Then what it found driving.
+pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Line>, Guardian, String), Failure> {
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
     let mut lines = Vec::new();
     for bus in &watch.buses {
         let adapter = LinuxAdapter::open(&bus.path, &bus.addresses()).map_err(|e| device(&e))?;
-        lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
+        lines.push(Line::new(adapter, watch.transfer).map_err(|e| device(&e))?);
     }
     let program = again::again().map_err(|e| device(&e))?;
     let (guardian, found) = Guardian::start(program, watch).map_err(|e| unguarded(&e))?;

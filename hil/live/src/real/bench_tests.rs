@@ -1,6 +1,6 @@
 //! Tests of `bench.rs`: which limits of time a burst bears.
 
-use palpate_core::guard::{HARD, Limits, Plant};
+use palpate_core::guard::{HARD, Limits, Plant, WornWire};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel, Duration, Point, Prescale};
 
@@ -20,7 +20,7 @@ fn guard(prescale: u8, burst_ms: u64) -> Guard {
         burst: Duration::from_millis(burst_ms),
         ..HARD
     };
-    Guard::new(limits, plant, &[wire]).unwrap()
+    Guard::new(limits, plant, &[wire], WornWire::default()).unwrap()
 }
 
 /// What is said of these limits of time, if they are refused.

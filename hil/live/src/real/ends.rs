@@ -62,7 +62,21 @@ impl Sensed for Rows<'_> {}
 
 impl Sensed for CanSkin<Tap<CanPlayer<'_>>> {}
 
-/// The display end, and its guardian.
+impl<S: Sensed + ?Sized> Sensed for Box<S> {
+    fn begin(&mut self) {
+        (**self).begin();
+    }
+
+    fn note(&mut self) -> Option<Note> {
+        (**self).note()
+    }
+
+    fn tallies(&self) -> Vec<Tally> {
+        (**self).tallies()
+    }
+}
+
+/// The display end, and what watches over it.
 pub trait Watched: DisplayEnd {
     /// Boards that were found driving before the run, a line each.
     fn found(&self) -> &str {

@@ -11,14 +11,14 @@ use palpate_core::projector::Cause;
 use palpate_core::units::{Duration, Instant};
 use palpate_records::readings::Readings;
 use palpate_run::picture::Wants;
-use palpate_run::{Failure, Session, Turn};
+use palpate_run::{Failure, Session, Turn, rezero};
 
 use super::ends::{Sensed, Watched, goes_on, part, switch_off};
 use super::records::{Records, Said};
-use super::{STOPPED_BY_PAGE, panicked, priority};
+use super::{panicked, priority};
 use crate::interfaces::lines;
 use crate::progress::Progress;
-use crate::views::Wanted;
+use crate::views::{STOPPED_BY_PAGE, Wanted};
 
 /// Time between two looks at the records while no finger reports.
 const ROUND: Elapsed = Elapsed::from_millis(50);
@@ -51,6 +51,8 @@ pub(super) struct Shared<'a> {
     go: AtomicBool,
     /// Loops that still make turns.
     turning: AtomicUsize,
+    /// Twice how often the reference was to be taken anew, and one more where the last time was by force.
+    rezeros: AtomicUsize,
 }
 
 /// A loop that has ended.
@@ -85,6 +87,7 @@ impl<'a> Shared<'a> {
             ready: AtomicUsize::new(0),
             go: AtomicBool::new(false),
             turning: AtomicUsize::new(0),
+            rezeros: AtomicUsize::new(0),
         }
     }
 
@@ -151,6 +154,11 @@ impl<'a> Shared<'a> {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return ended,
             }
+            if let Some(forced) = records.rezero() {
+                let before = self.rezeros.load(Ordering::Relaxed) / 2;
+                let asked = 2 * (before + 1) + usize::from(forced);
+                self.rezeros.store(asked, Ordering::Relaxed);
+            }
             if records.have_failed() {
                 self.end_all();
             }
@@ -170,6 +178,8 @@ struct Turns<'a> {
     said: Instant,
     shown: Instant,
     watch: Watch,
+    /// As [`Shared::rezeros`], as far as it was done.
+    rezeros: usize,
 }
 
 impl<'a> Turns<'a> {
@@ -182,6 +192,7 @@ impl<'a> Turns<'a> {
             said: Instant::ZERO,
             shown: Instant::ZERO,
             watch: Watch::new(),
+            rezeros: 0,
         }
     }
 
@@ -285,6 +296,11 @@ impl<'a> Turns<'a> {
             self.finger > 0 || !shared.signals.wants_panic(),
             "a drill, by PALPATE_DRILL and SIGUSR1"
         );
+        let asked = shared.rezeros.load(Ordering::Relaxed);
+        if std::mem::replace(&mut self.rezeros, asked) != asked {
+            session.display().wait();
+            rezero(session, shared.clock.now(), asked % 2 == 1);
+        }
         self.tell(session, now);
         true
     }

@@ -31,7 +31,9 @@ use palpate_files::{BenchKind, Setup};
 use palpate_run::place::{Place, fingers};
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
-use palpate_run::{CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, build, plan, skin};
+use palpate_run::{
+    CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, build, plan, scene_end, skin,
+};
 
 use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::note;
@@ -41,10 +43,10 @@ use bench::real_of;
 use run::{Run, planned};
 use warden::Wired;
 
-/// Cause of a stop by a page, as it is kept.
-const STOPPED_BY_PAGE: &str = "STOP on a page";
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
+/// After a recording's last row.
+const AFTER: Duration = Duration::from_millis(100);
 
 /// Runs in real time: a scene's length on a real bench, where the world touches the skin, or a scene or recording on
 /// the driver unit that the bench names.
@@ -128,18 +130,42 @@ fn only(setup: &Setup) -> Vec<(Place, Setup)> {
     vec![(Place::whole(&setup.bench.value), setup.clone())]
 }
 
-/// The boards on a bench's interfaces, with their frames kept or not.
+/// What stands at the sensor end beside a unit or a network, and when what touches it ends: the bench's own skin, with its
+/// frames kept or not, or a recording in its place.
 ///
 /// # Errors
-/// [`Failure`] for an emulated bench, or interfaces that cannot be opened.
-pub fn open_skin(
+/// [`Failure`] for interfaces that cannot be opened, a scene or recording that fits no skin, or readings that come meanwhile.
+pub fn open_skin<'a>(
     setup: &Setup,
     layout: &Layout,
+    input: &'a Input,
+    seed: u64,
     clock: RunClock,
     keeps: bool,
-) -> Result<RealSkin, Failure> {
-    let can = Interfaces::open(real_of(setup)?, layout, clock)?;
-    Ok(skin::source(setup, layout, Tap::new(can, keeps)))
+) -> Result<(Box<dyn Sensed + Send + 'a>, Instant), Failure> {
+    Ok(match input {
+        Input::Scene if setup.bench.value.kind == BenchKind::Real => {
+            let can = Interfaces::open(real_of(setup)?, layout, clock)?;
+            let skin = skin::source(setup, layout, Tap::new(can, keeps));
+            (Box::new(skin), scene_end(setup))
+        }
+        Input::Scene => (Box::new(skin::scene(setup, seed, None)?), scene_end(setup)),
+        Input::Rows(sources) => {
+            let skin = Rows::new(sources, &setup.sensor.value, layout)?;
+            let last = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
+            (Box::new(skin), Instant::from_micros(last) + AFTER)
+        }
+        Input::Frames(frames) => {
+            let player = CanPlayer::new(frames.frames()?);
+            let skin = skin::source(setup, layout, Tap::new(player, keeps));
+            (Box::new(skin), frames.end() + AFTER)
+        }
+        Input::Stream(_) => {
+            return Err(Failure::Input(
+                "--stream: expected --replay or the bench's own skin with a unit".into(),
+            ));
+        }
+    })
 }
 
 /// The boards on a bench's adapters, by the run's clock, and the guardian over them. Their heat is booked with `heat`.
@@ -234,32 +260,9 @@ fn on_unit(
     let run = Run::of(setup, planned, signals, wanted)?;
     let (keeps_can, layout) = (run.keeps_can(), plan::layout(&setup.sensor.value)?);
     let clock = RunClock::start();
-    let open = move || open_unit(setup, heat, place, clock);
-    let after = |last: Instant| last + Duration::from_millis(100);
-    match input {
-        Input::Scene if setup.bench.value.kind == BenchKind::Real => {
-            let skin = open_skin(setup, &layout, clock, keeps_can)?;
-            run.until_end(vec![(skin, open()?)], "", clock, scene_end(setup))
-        }
-        Input::Scene => {
-            let skin = skin::scene(setup, seed, None)?;
-            run.until_end(vec![(skin, open()?)], "", clock, scene_end(setup))
-        }
-        Input::Rows(sources) => {
-            let skin = Rows::new(sources, &setup.sensor.value, &layout)?;
-            let last = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
-            let end = after(Instant::from_micros(last));
-            run.until_end(vec![(skin, open()?)], "", clock, end)
-        }
-        Input::Frames(frames) => {
-            let player = CanPlayer::new(frames.frames()?);
-            let skin = skin::source(setup, &layout, Tap::new(player, keeps_can));
-            run.until_end(vec![(skin, open()?)], "", clock, after(frames.end()))
-        }
-        Input::Stream(_) => Err(Failure::Input(
-            "--stream: expected --replay or the bench's own skin with a unit".into(),
-        )),
-    }
+    let (skin, end) = open_skin(setup, &layout, input, seed, clock, keeps_can)?;
+    let ends = vec![(skin, open_unit(setup, heat, place, clock)?)];
+    run.until_end(ends, "", clock, end)
 }
 
 /// Refuses a unit while a stop of a run on it is kept, before it hears of this one.
@@ -276,11 +279,6 @@ fn refuse_stop(place: &UnitPlace, held: Option<Latched>) -> Result<(), Failure> 
             place.name, held.cause, place.name
         ))),
     }
-}
-
-/// Time at which a scene ends.
-fn scene_end(setup: &Setup) -> Instant {
-    Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
 
 /// Real-time priority for this thread, memory that is never paged out for the program.

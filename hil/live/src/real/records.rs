@@ -111,7 +111,12 @@ impl Records {
         self.views.are_open()
     }
 
-    /// Takes a finger's report. Returns `true` where a viewer wants the run to end.
+    /// As [`Views::rezero`].
+    pub(super) fn rezero(&self) -> Option<bool> {
+        self.views.rezero()
+    }
+
+    /// Takes what a finger says; whether those who look on want the run to end.
     pub(super) fn take(&mut self, said: Said) -> bool {
         let Some(own) = self.fingers.get_mut(said.finger) else {
             return false;

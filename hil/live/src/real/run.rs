@@ -20,7 +20,6 @@ use palpate_run::{
     exceeded, finished, header, scene_levels, stagger,
 };
 
-use super::STOPPED_BY_PAGE;
 use super::ends::{Sensed, Watched, assemble, begin, settle};
 use super::heat::Heat;
 use super::loops::{Done, Shared};
@@ -28,7 +27,7 @@ use super::records::Records;
 use super::warden::Wired;
 use crate::clock;
 use crate::interfaces::reports;
-use crate::views::{Views, Wanted};
+use crate::views::{STOPPED_BY_PAGE, Views, Wanted};
 
 /// A finger by its files.
 pub(super) struct Planned {

@@ -12,7 +12,7 @@ use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_records::candump;
 
-use palpate_files::{DISORDER_US, FileError, Format, format_of, is_stream};
+use palpate_files::{DISORDER_US, FileError, Format, format_of, holds_frames, is_stream};
 use palpate_run::{CanFrames, Failure, FrameSource, Frames};
 
 use super::pass::{Pass, Start, Through};
@@ -43,7 +43,9 @@ pub fn is_can_recording(path: &Path) -> bool {
             .is_some_and(|ending| ending == "log" || ending == "mcap")
     };
     match format_of(path) {
-        Some(format) => matches!(format, Format::Candump | Format::Mcap),
+        // Others log skins as messages of their own.
+        Some(Format::Mcap) => holds_frames(path),
+        Some(format) => format == Format::Candump,
         None => named(),
     }
 }

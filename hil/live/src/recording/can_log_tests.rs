@@ -1,8 +1,8 @@
 //! Tests of `can_log.rs`.
 
-use palpate_files::{Lines, Text, Times};
+use palpate_files::{LONGEST_LINE, Lines, Text, Times};
 
-use super::super::pass::{LONGEST, Log};
+use super::super::pass::Log;
 use super::*;
 
 #[derive(Debug)]
@@ -16,7 +16,7 @@ fn log(text: &str, buses: usize) -> Result<Seen, FileError> {
 }
 
 fn seen(text: &str, buses: usize, times: Times) -> Result<Seen, FileError> {
-    let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST));
+    let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST_LINE));
     let pass = Pass::Log(Log::new(lines, times));
     let (mut through, _, notes) = pass.through(buses, 100, false)?;
     let mut frames = through.held.take().unwrap();
@@ -55,8 +55,8 @@ fn a_cut_is_noted_with_its_line() {
 fn bad_logs_are_named_with_their_line() {
     let told = |text, buses| log(text, buses).unwrap_err().to_string();
     assert_eq!(
-        told("(1.000000) can0 104#00\nhello", 1),
-        "a.log:2: expected `(seconds.microseconds) interface id#data`, found `hello` after 1 whole frames"
+        told("(1.000000) can0 104#00\n(2) can0\n", 1),
+        "a.log:2: expected a time `(seconds.microseconds)` with six or nine decimals, found `(2) can0` after 1 whole frames"
     );
     assert_eq!(
         told("(1.000000) can0 104#00\n(1.000000) can1 104#00", 1),
@@ -64,7 +64,26 @@ fn bad_logs_are_named_with_their_line() {
     );
     assert_eq!(
         told("(1.000000) can0 104#R\n", 1),
-        "a.log: expected classic data frames with 11-bit identifiers, found none, and 1 of another kind"
+        "a.log: expected classic data frames with 11-bit identifiers, found none: 1 frames of another kind (29-bit, remote, error, CAN FD, CAN XL) were passed over"
+    );
+}
+
+#[test]
+fn what_a_log_holds_beside_frames_is_said() {
+    let text = "# bench restarted\n(1.000000) can0 104#00\nDROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 3)\n\
+                (1.000001) can0 123#81:00:12345678#112233\n(1.000001) can0 12345#81:00:12345678#112233\n";
+    let error = log(text, 1).unwrap_err().to_string();
+    assert!(
+        error.starts_with("a.log:4: expected up to eight bytes"),
+        "{error}"
+    );
+    let read = log(&text.replace(" 123#81", " 12323#81"), 1).unwrap();
+    assert_eq!(read.frames.len(), 1);
+    assert_eq!(
+        read.notes,
+        [
+            "a.log: 3 frames were lost to the logger, 2 frames of another kind (29-bit, remote, error, CAN FD, CAN XL) were passed over, 1 remarks were passed over"
+        ]
     );
 }
 

@@ -4,7 +4,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use palpate_files::{
-    FileError, Format, JOINT, Joint, MOST_DEG, Rows, Take, Timing, format_of, is_stream, open,
+    FileError, Format, JOINT, Joint, MOST_DEG, Rows, Take, Timing, format_of, holds_frames,
+    is_stream, open,
 };
 use palpate_records::mcap::{McapReader, Unreadable};
 
@@ -24,7 +25,7 @@ pub fn read_joints(paths: &[PathBuf], timing: &Timing) -> Result<Vec<Joint>, Fil
     for path in paths {
         let of_file = match format_of(path) {
             _ if is_stream(path) => Vec::new(),
-            Some(Format::Mcap) => of_mcap(path)?,
+            Some(Format::Mcap) if holds_frames(path) => of_mcap(path)?,
             None | Some(Format::Csv) if has_joints(path) => of_csv(path, timing)?,
             _ => Vec::new(),
         };

@@ -4,7 +4,7 @@
 
 mod can_log;
 mod joints;
-mod npy;
+mod part;
 mod pass;
 mod stream;
 mod taxel_csv;
@@ -21,13 +21,13 @@ pub use taxel_write::write_taxel_csv;
 
 use std::path::PathBuf;
 
-use npy::read_npy;
 use palpate_core::skin::Module;
-use palpate_files::{Columns, Format, SensorLayout, format_of};
+use palpate_files::{Columns, SensorLayout};
 use palpate_run::{Failure, Input, plan};
+use part::Part;
 
-/// Input of a run from recordings: one per module of a layout, or one of all its buses. Returns remarks on the files
-/// with it.
+/// What drives a run in place of touches: one recording per module of a layout, one of all modules side by side, or one
+/// of all its buses; and what is to be said of the files.
 ///
 /// # Errors
 /// [`Failure::Input`] with file, line and column.
@@ -58,22 +58,30 @@ pub fn recorded(
         return Ok((Input::Frames(recording.frames), recording.notes));
     }
     if paths.len() != file.modules.len() {
-        return Err(Failure::Input(format!(
+        let of_each = format!(
             "--replay: expected {} files, one per module of layout `{}`, found {}",
             file.modules.len(),
             file.name,
             paths.len()
-        )));
+        );
+        let [path] = paths else {
+            return Err(Failure::Input(of_each));
+        };
+        let skin = Columns::of_skin(file);
+        let whole = read_taxel_csv(path, &skin, reading);
+        let (whole, notes) = whole.map_err(|e| {
+            Failure::Input(format!("{of_each}, which does not hold all of them: {e}"))
+        })?;
+        let modules = (0..file.modules.len()).filter_map(|m| Columns::of_module(file, m));
+        let widths: Vec<usize> = modules.map(|columns| columns.count()).collect();
+        return Ok((Input::Rows(Part::all_of(&whole, &widths)), notes));
     }
     let mut notes = Vec::new();
     let table = |(number, path): (usize, &PathBuf)| {
         let columns = Columns::of_module(file, number).ok_or_else(|| {
             Failure::Input(format!("layout `{}` has no module {number}", file.name))
         })?;
-        let (table, said) = match format_of(path) {
-            Some(Format::Numpy) => read_npy(path, &columns, reading)?,
-            _ => read_taxel_csv(path, &columns, reading)?,
-        };
+        let (table, said) = read_taxel_csv(path, &columns, reading)?;
         notes.extend(said);
         Ok(table)
     };

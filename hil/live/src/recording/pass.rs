@@ -6,13 +6,13 @@ use std::path::Path;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
-use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
+use palpate_files::{
+    FileError, Format, LONGEST_LINE, Lines, OutOfTime, Pace, Times, format_of, open,
+};
 use palpate_records::{candump, mcap};
 use palpate_run::Identifiers;
 
-/// Longest line of a log, bytes: that of a CAN FD frame has 170.
-pub(super) const LONGEST: usize = 4096;
-/// Expected input, for errors.
+/// What this reads, for errors.
 const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
 
 fn too_many(label: &str, buses: usize, found: String) -> FileError {
@@ -70,7 +70,7 @@ impl Pass<File> {
             Some(format) => return Err(FileError::whole(label, EXPECTED, format.noun())),
         };
         if !is_mcap {
-            let lines = Lines::open(path, EXPECTED, LONGEST)?;
+            let lines = Lines::open(path, EXPECTED, LONGEST_LINE)?;
             return Ok(Self::Log(Log::new(lines, times)));
         }
         let reader = mcap::McapReader::new(BufReader::new(open(path, EXPECTED)?));
@@ -103,8 +103,16 @@ impl<R: Read> Pass<R> {
             held: Some(Vec::new()),
             ..Through::default()
         };
+        let mut pace = Pace::default();
+        let cannot_be = |label: &str, found| {
+            let expected = "times as frames came (candump -l, microseconds since 1970)";
+            FileError::whole(label, expected, found)
+        };
         while let Some(frame) = self.advance()? {
             let us = frame.at.as_micros();
+            let of = (frame.bus, frame.frame.id(), frame.frame.data().len());
+            let seen = pace.frame(of, us);
+            seen.map_err(|found| cannot_be(self.label(), found))?;
             through.count += 1;
             through.rows.add(&frame);
             through.first_us = Some(through.first_us.map_or(us, |first| first.min(us)));
@@ -122,6 +130,7 @@ impl<R: Read> Pass<R> {
                 held => *held = None,
             }
         }
+        pace.end().map_err(|found| cannot_be(self.label(), found))?;
         let (interfaces, notes) = match self {
             Self::Log(log) => log.finish(&mut through, buses),
             Self::Mcap(mcap) => mcap.finish(&mut through, buses),
@@ -225,19 +234,19 @@ pub(super) struct Log<R> {
     times: Times,
     names: Vec<String>,
     count: usize,
-    other_kinds: usize,
+    beside: candump::Beside,
     /// A malformed line, which is a cut one if none follows.
     cut: Option<(bool, FileError)>,
 }
 
 impl<R: Read> Log<R> {
-    pub(super) const fn new(lines: Lines<R>, times: Times) -> Self {
+    pub(super) fn new(lines: Lines<R>, times: Times) -> Self {
         Self {
             lines,
             times,
             names: Vec::new(),
             count: 0,
-            other_kinds: 0,
+            beside: candump::Beside::default(),
             cut: None,
         }
     }
@@ -252,7 +261,7 @@ impl<R: Read> Log<R> {
                 return Err(error);
             }
             match candump::read_line(line) {
-                Ok(Some(logged)) => {
+                Ok(candump::Line::Frame(logged)) => {
                     let us = logged.at.as_micros();
                     let time = self.times.frame(&format!("{label}:{number}"), us);
                     let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
@@ -271,7 +280,7 @@ impl<R: Read> Log<R> {
                         frame: logged.frame,
                     }));
                 }
-                Ok(None) => self.other_kinds += 1,
+                Ok(candump::Line::Beside(beside)) => self.beside.add(beside),
                 Err(expected) => {
                     let error = malformed(&label, number, (expected, line), self.count);
                     let is_cut = candump::is_cut(line) && self.count > 0;
@@ -303,8 +312,9 @@ impl<R: Read> Log<R> {
                 self.count
             ));
         }
+        let beside = self.beside.words();
         if self.names.is_empty() {
-            let found = format!("none, and {} of another kind", self.other_kinds);
+            let found = beside.map_or("none".into(), |words| format!("none: {words}"));
             let expected = "classic data frames with 11-bit identifiers";
             return Err(FileError::whole(label, expected, found));
         }
@@ -312,6 +322,7 @@ impl<R: Read> Log<R> {
             let found = format!("{}: {}", self.names.len(), self.names.join(", "));
             return Err(too_many(label, buses, found));
         }
+        notes.extend(beside.map(|words| format!("{label}: {words}")));
         let mut interfaces = self.names.clone();
         interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
         let bus = |name| interfaces.iter().position(|i| i == name).unwrap_or(0);

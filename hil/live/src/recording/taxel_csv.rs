@@ -1,11 +1,10 @@
 //! Recorded taxels as a run takes them: a short recording as a whole table of raw counts, a long one row by row from
 //! its file, once per pass.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use palpate_files::{Columns, FileError, MOST_VALUES, RowAt, Rows, Take, Timing, is_stream};
+use palpate_files::{Columns, FileError, Input, MOST_VALUES, RowAt, Rows, Take, Timing, is_stream};
 use palpate_run::{Failure, NextRow, RowSource, TaxelTable};
 
 /// Most values of a file that are held, 2 bytes each: a quarter of an hour of 48 columns at 100 Hz.
@@ -20,8 +19,6 @@ pub struct Reading {
     pub timing: Timing,
     /// Beginning of the columns' names; `None` for `txl1_x` and so on.
     pub prefix: Option<String>,
-    /// Rows at rest that stand before readings which are compensated, and never at rest.
-    pub rest_rows: usize,
 }
 
 impl Reading {
@@ -35,7 +32,7 @@ impl Reading {
     }
 }
 
-/// Reads a recording through, with remarks on it. A file that is too long to be held is read again for every
+/// Reads a recording of taxels through, and what is to be said of it. A file that is too long to be held is read again for every
 /// pass; a stream cannot be.
 ///
 /// # Errors
@@ -135,7 +132,7 @@ impl RowSource for LongTable {
 
 /// The rows of a file.
 struct FromFile {
-    rows: Rows<File>,
+    rows: Rows<Input>,
 }
 
 impl NextRow for FromFile {

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorKind, ErrorType, OutputPin};
 use palpate_buses::guardian::Guardian;
-use palpate_buses::i2c::{Blocking, LinuxAdapter};
+use palpate_buses::i2c::{Line, LinuxAdapter};
 use palpate_core::peltier::Regulator;
 use palpate_core::physics::{PeltierParameters, Thermistor};
 use palpate_core::units::Instant;
@@ -111,7 +111,7 @@ impl Boards for Emulated {
 pub(super) struct Guarded {
     guardian: Rc<RefCell<Guardian>>,
     heat: Heat,
-    line: Option<Blocking>,
+    line: Option<Line>,
     has_oe: bool,
 }
 
@@ -150,7 +150,7 @@ impl Guarded {
         };
         refuse_latched(&watch)?;
         let adapter = LinuxAdapter::open(&bus.path, &bus.addresses()).map_err(|e| device(&e))?;
-        let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
+        let mut line = Line::new(adapter, watch.transfer).map_err(|e| device(&e))?;
         let program = crate::again::again().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(program, &watch).map_err(|e| unguarded(&e))?;
         line.set_pulse(guardian.pulse());
@@ -163,8 +163,8 @@ impl Guarded {
         Ok((opened, found))
     }
 
-    /// Lines that the unit holds: the bus, and the one to the OE pins. `None` after the first call.
-    pub(super) fn lines(&mut self) -> Option<(Blocking, OePin)> {
+    /// What the unit holds, once.
+    pub(super) fn lines(&mut self) -> Option<(Line, OePin)> {
         let pin = OePin(Rc::clone(&self.guardian), self.has_oe);
         Some((self.line.take()?, pin))
     }

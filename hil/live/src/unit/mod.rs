@@ -87,8 +87,8 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         addresses: &addresses,
         limits: *projector.guard().limits(),
         plant: *projector.guard().plant(),
-        // A processor that runs Linux bears the guard's thermal rows.
-        heat: true,
+        // A processor that runs Linux bears them.
+        worn: projector.guard().worn(),
         converters: plan::converters(bench),
     };
     let cannot = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
@@ -170,7 +170,7 @@ fn refuse_slow_bus(
     real: &Real,
     settings: &Settings<'_>,
 ) -> Result<Result<(), Failure>, SettingsError> {
-    let guard = Guard::last_word(settings.limits, settings.plant, settings.wires, false);
+    let guard = Guard::last_word(settings.limits, settings.plant, settings.wires, None);
     guard
         .map_err(SettingsError::Plant)
         .map(|guard| refuse_slow(real, &guard))

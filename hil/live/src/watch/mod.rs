@@ -10,7 +10,7 @@ pub use view::View;
 
 use std::io::{self, BufWriter};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -58,15 +58,19 @@ impl Shown {
 #[derive(Debug, Default)]
 struct Asked {
     stop: AtomicBool,
-    /// Number of the shown display; beyond the last one, counted on from the first.
+    /// 1 for a reference that is to be taken anew, 2 for one by force.
+    rezero: AtomicU8,
+    /// Which display is shown; beyond the last one, counted on from the first.
     display: AtomicUsize,
 }
 
 impl Asked {
-    /// Takes a key: `q` ends the run, Tab shows the next display, 1 to 9 and 0 one of the first ten.
+    /// Takes a key: `q` ends the run, `z` takes the reference anew and `Z` does so by force, Tab shows the next display, 1 to 9 and 0 one of the first ten.
     fn key(&self, key: u8) {
         match key {
             b'q' | b'Q' => self.stop.store(true, Ordering::Relaxed),
+            b'z' => self.rezero.store(1, Ordering::Relaxed),
+            b'Z' => self.rezero.store(2, Ordering::Relaxed),
             b'\t' => {
                 self.display.fetch_add(1, Ordering::Relaxed);
             }
@@ -119,6 +123,14 @@ impl Watch {
     /// Adds a display of the same run.
     pub fn add(&mut self, header: &Header, layout: &Layout, end: Instant) {
         self.shown.push(Shown::new(header, layout, end));
+    }
+
+    /// Whether a key asked for the reference to be taken anew since the last call, and whether by force.
+    pub fn rezero(&self) -> Option<bool> {
+        match self.asked.rezero.swap(0, Ordering::Relaxed) {
+            0 => None,
+            asked => Some(asked == 2),
+        }
     }
 
     /// Shows a display at `now` if it is the one to be shown. `counts` are the readings of all its taxels. True when the

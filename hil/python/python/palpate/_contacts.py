@@ -28,7 +28,7 @@ def contacts(
     kc: int = 1,
     ki: int = 10,
     reference_frames: int = 10,
-    threshold: float | Literal["auto", "per-taxel"] = "auto",
+    threshold: float | Literal["auto", "per-taxel"] = "per-taxel",
     weight_exponent: float = 1.0,
     norm: Literal["l1", "l2", "linf"] = "l2",
     axes: Literal["xyz", "z"] = "xyz",
@@ -38,7 +38,7 @@ def contacts(
     skip_repeats: bool = False,
     seed: int = 1,
 ) -> Table:
-    """Finds the contacts of every frame: (4.1) to (4.10) and nothing else, as ``hil contacts`` does.
+    """Finds the contacts of every frame: (4.1) to (4.10), as ``hil contacts`` does.
 
     The array is read piece by piece, so ``numpy.load(.., mmap_mode="r")`` may be longer than the memory. What is held
     grows with the contacts that are found.
@@ -51,13 +51,14 @@ def contacts(
         kc: Largest number of contacts per module.
         ki: Intensity levels, found over the whole recording.
         reference_frames: Rows without contact at the start that make the reference.
-        threshold: ``"auto"`` (the largest value of the first row after the reference), ``"per-taxel"`` (from every
-            taxel's own noise) or raw counts.
+        threshold: ``"per-taxel"`` (from every taxel's own noise), ``"auto"`` (as published: the largest value of the first
+            row after the reference) or raw counts.
         weight_exponent: Exponent p of the weights ``||s||^p``, 0 to 16.
         norm: Norm of the weights.
         axes: Axes to use: all three, or the normal one.
         scope: What ``kc`` and ``ki`` count for.
-        drift_s: Time constant with which the reference follows taxels not in contact, s. Default: it stays.
+        drift_s: Time constant with which the reference follows taxels not in contact, s. Default: 5 with
+            per-taxel thresholds; with others it stays as the first rows have it.
         faulty_deviations: Leave out taxels so many deviations from their axis's mean in the first row.
         skip_repeats: Leave out rows that repeat the one before.
         seed: Seed of the k-means++ draws.

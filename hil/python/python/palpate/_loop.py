@@ -162,6 +162,13 @@ class Loop:
         """Lets virtual time go on until ``until_us``, microseconds."""
         return Step(self._inner.advance(_time(until_us, "until_us")))
 
+    def rezero(self, *, forced: bool = False) -> Step:
+        """Takes the reference of the skin anew, with everything off first; nothing may touch it meanwhile.
+
+        Refused while anything is in contact, unless ``forced``. A note in the step's events says what became of it.
+        """
+        return Step(self._inner.rezero(forced))
+
     def touch(
         self,
         places: npt.ArrayLike,

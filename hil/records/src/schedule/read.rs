@@ -46,12 +46,13 @@ struct Line {
 }
 
 /// Every cause that is written into a schedule.
-const CAUSES: [&str; 7] = [
+const CAUSES: [&str; 8] = [
     "start",
     "stale-input",
     "actuator-error",
     "sensor-error",
     "late-tick",
+    "rezero",
     "end",
     "overrun",
 ];

@@ -22,7 +22,7 @@ pub use texture::{projection, surface};
 pub use unit::differences;
 
 use palpate_core::contact::{Levels, Settings};
-use palpate_core::guard::{Guard, Limits, Plant};
+use palpate_core::guard::{Guard, Limits, Plant, WornWire};
 use palpate_core::illusion::{Display, DisplayWire, Map, MapError, Rect, Surface};
 use palpate_core::physics::WireParameters;
 use palpate_core::projector::{Plan, SensingPlan, View, Window, sensor_area};
@@ -201,6 +201,7 @@ pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
 pub fn wire(setup: &Setup) -> WireParameters {
     WireParameters {
         mount: setup.bench.value.mount.parameters(),
+        ends_c: setup.bench.value.tissue.rest_c,
         ..setup.wire.value.parameters(&setup.alloy.value)
     }
 }
@@ -342,7 +343,8 @@ pub fn untextured(
     // Where current is set, a unit's largest current counts for heat and is never requested.
     let peak = control.map_or(plant.peak, |control| control.full_scale);
     let prescale = plant.prescale;
-    let mut guard = Guard::new(limits, plant, display.wires())
+    let worn = WornWire::new(&wire(setup), &bench.tissue.parameters());
+    let mut guard = Guard::new(limits, plant, display.wires(), worn)
         .and_then(|guard| match control {
             Some(control) => guard.with_current(control),
             None => Ok(guard),

@@ -5,7 +5,6 @@ use palpate_core::projector::Projector;
 use palpate_emulators::display::solver::stretch::Stretch;
 use palpate_emulators::person::channels::Perceiver;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::START_C;
 use palpate_files::Setup;
 
 use super::{felt_wire, person};
@@ -89,7 +88,7 @@ pub fn reaction(setup: &Setup, projector: &Projector) -> Result<Reaction, Failur
         if felt_s.is_none() {
             perceiver.pass(0, &piece);
             perceiver.settle();
-            let felt = perceiver.felt(START_C);
+            let felt = perceiver.felt(bench.tissue.rest_c);
             felt_s = felt.filter(|f| f.levels.felt()).map(|_| at_s);
         }
     }

@@ -9,7 +9,6 @@ use palpate_core::units::{Duration, Prescale, Ticks};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Felt, Perceiver, Person};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::START_C;
 use palpate_files::Setup;
 
 use crate::failure::Failure;
@@ -27,7 +26,7 @@ const COUNTED: usize = 2;
 pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
     let (bench, wire) = (&setup.bench.value, super::wire(setup));
     let tissue = bench.tissue.parameters();
-    let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
+    let alone = Wire::new(&wire, &tissue, tissue.body_c).and_then(|wire| wire.worn(&tissue));
     let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
     alone.keep_stretches();
     Ok(alone)
@@ -114,6 +113,8 @@ pub(crate) struct Bursts {
     wire: Wire,
     perceiver: Perceiver,
     amps: f64,
+    /// The finger at rest, degrees C.
+    rest_c: f64,
 }
 
 impl Bursts {
@@ -126,6 +127,7 @@ impl Bursts {
             wire: felt_wire(setup)?,
             perceiver,
             amps: bench.drive.current_ma * 1e-3,
+            rest_c: bench.tissue.rest_c,
         })
     }
 
@@ -150,7 +152,7 @@ impl Bursts {
             let end = Nanos::from_micros((n + 1) * soa);
             wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
             perceiver.settle();
-            perceiver.felt(START_C)
+            perceiver.felt(self.rest_c)
         };
         for n in 0..BEFORE {
             burst(n);

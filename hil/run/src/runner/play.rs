@@ -27,6 +27,7 @@ use crate::piece::Pieces;
 use crate::place::{Place, fingers};
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
+use crate::rezero::rezero;
 use crate::session::{Session, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
@@ -223,6 +224,7 @@ impl<'a> Finger<'a> {
         let ledger = Ledger {
             energy_uj: (totals.electrical_j * 1e6).round() as u64,
             hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
+            tight: totals.tight,
             margins,
             length_us: end.as_micros(),
             ..Ledger::default()
@@ -383,6 +385,10 @@ impl Run<'_> {
                     return Ok(now);
                 }
                 is_stopped |= finger.show(now, number, host);
+            }
+            if let Some(forced) = host.rezero() {
+                let sessions = fingers.iter_mut().map(|finger| &mut finger.session);
+                sessions.for_each(|session| rezero(session, now, forced));
             }
             if is_stopped {
                 let note = || Event::note(now, format!("{STOPPED_BY}the person who watched"));

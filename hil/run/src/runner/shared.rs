@@ -172,6 +172,10 @@ impl SkinEnd for Pads<'_, '_> {
         shared.skin.start(module);
     }
 
+    fn foreign(&self) -> u64 {
+        self.shared.borrow().skin.foreign()
+    }
+
     fn lost_of(&self, module: usize) -> u64 {
         self.lost.get(module).copied().unwrap_or(0)
     }

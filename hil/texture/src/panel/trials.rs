@@ -10,13 +10,11 @@ use palpate_files::{Rows, Take, TextureModel};
 use palpate_run::Failure;
 
 use super::stage::SHOWN;
-use crate::explore::features;
+use crate::explore::{STROKED_HZ, features};
 use crate::rows::files;
 
 /// Time from one latent vector to the next, as in the loop.
 const SOA: Duration = Duration::from_micros(58_500);
-/// Rows per second of the emulated strokes.
-const EMULATED_HZ: f64 = 100.0;
 
 /// Rows of one stroke, feature by feature.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +85,7 @@ impl Source {
     ) -> Result<Self, Failure> {
         Ok(Self {
             values: features(model, stroke)?,
-            rate_hz: EMULATED_HZ,
+            rate_hz: STROKED_HZ,
             what: name.to_owned(),
         })
     }

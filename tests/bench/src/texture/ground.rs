@@ -70,7 +70,7 @@ impl Ground {
 
     /// The same for an encoder, window by window.
     pub fn off_by(&self, encoder: &Encoder) -> f64 {
-        let mut room = encoder.room(1);
+        let mut room = encoder.room();
         let found: Vec<Vec<f32>> = self
             .windows
             .iter()

@@ -114,7 +114,7 @@ const fn met(yes: bool) -> &'static str {
 fn windows(ground: &Ground, methods: &[Method]) -> Vec<Samples> {
     let mut race = Race::default();
     for method in methods {
-        let (mut room, mut turn) = (method.encoder.room(1), 0);
+        let (mut room, mut turn) = (method.encoder.room(), 0);
         race.enter(move || {
             for _ in 0..CALLS {
                 turn += 1;

@@ -38,7 +38,7 @@ pub fn settings(boot: u64) -> Settings<'static> {
         limits: LIMITS,
         plant: Plant::default(),
         // Software doubles would take 11 ms per stimulus.
-        heat: false,
+        worn: None,
         converters: None,
     }
 }

@@ -3,9 +3,9 @@
 use super::{Exact, Heat, Watched};
 use crate::display::finger::NODES;
 use crate::display::solver::WireDrive;
+use crate::display::solver::branch::{Branch, Heading};
 use crate::display::solver::lanes::dot;
 use crate::display::solver::modal::{Mode, ModeKey, Propagator};
-use crate::display::solver::phase::{Branch, Heading};
 use crate::display::solver::stretch::Stretch;
 use crate::display::solver::sum::{LEVEL_TOLERANCE, SumPoint, changes};
 use crate::time::Nanos;
@@ -162,7 +162,7 @@ impl Exact {
             }),
             Event::Threshold(at, heading) => {
                 self.heading = heading;
-                self.phase.commit(at);
+                self.phase.commit(at, heading);
             }
         }
     }

@@ -48,7 +48,7 @@ pub fn unit<'r, W: Wires, C: Fn() -> u64, L: Link, const HEAP: usize>(
         limits: LIMITS,
         plant: Plant::default(),
         // Software doubles would take 28 ms per stimulus on a Cortex-M0+: longer than the watchdog waits.
-        heat: false,
+        worn: None,
         converters: None,
     };
     let mut link = network(rig);
@@ -86,7 +86,7 @@ pub fn guard<W: Wires, C: Fn() -> u64, const HEAP: usize>(
     processor: &mut impl Processor,
     ticks: fn() -> u32,
 ) -> ! {
-    let Ok(mut guard) = Guard::last_word(LIMITS, Plant::default(), &WIRES, false) else {
+    let Ok(mut guard) = Guard::last_word(LIMITS, Plant::default(), &WIRES, None) else {
         panic!("a plant that no wire can have");
     };
     heap.close();

@@ -1,5 +1,7 @@
 //! The thermal model against computed values, against itself and against other methods.
 
+mod exclusive;
+mod felt;
 mod others;
 mod plays;
 mod properties;

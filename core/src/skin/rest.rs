@@ -1,0 +1,499 @@
+//! The rest of the skin as a state: how the reference goes on once it was found, and which taxels are touched.
+//!
+//! A module's untouched taxels say how all of it drifts, and the touched ones follow that with their own gain. A touch
+//! begins above the threshold and ends below a lower limit, and strong touches leave something behind for a while.
+//! Pressing raises the normal reading, so a reading below its reference is no touch: the reference was too high.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::reference::Reference;
+use super::relative::RelativeFrame;
+use crate::units::{Duration, Instant};
+
+/// Time between two corrections of the reference, s: the work is a small part of a frame's.
+const EVERY_S: f32 = 0.04;
+/// Most time that one frame is evidence of, s: a frame after a gap says little about the gap.
+const LONGEST_S: f32 = 0.1;
+/// Share of its threshold that a taxel needs while its module is touched.
+const RELEASE: f32 = 0.6;
+/// Share of a touch's largest value that may stay when it has ended.
+const LEFT: f32 = 0.07;
+/// Time constant of a taxel's own drift, of the one that is asked for: its rate settles with that one.
+const OWN: f32 = 0.4;
+/// Time constant with which such a remainder is forgotten, and with which the reference takes it in, s.
+const FADE_S: f32 = 1.0;
+const QUICK_S: f32 = 0.2;
+/// Time constant of a module's common rate, s.
+const RATE_S: f32 = 1.5;
+/// Steepest common drift, counts per second.
+const STEEPEST: f32 = 60.0;
+/// Largest common step that is no touch, counts, and its growth while no taxel is known to be untouched.
+const STEP: f32 = 80.0;
+const STEP_PER_S: f32 = 25.0;
+/// Share of its strength at which a touch has ended where all of its module was touched.
+const ENDED: f32 = 0.5;
+/// Time in which no second common step is taken, s.
+const STEP_REST_S: f32 = 1.0;
+/// Share of a difference along which a reading below its reference is no touch.
+const BELOW: f32 = 0.7;
+/// What a taxel's own rate takes of a deviation: critically damped with the share that the reference takes. Learnt while
+/// the module drifts by more than so many counts per second, and up to so much of it.
+const STEER: f32 = 0.5;
+const SLOWEST: f32 = 1.5;
+const WIDEST: f32 = 0.7;
+/// A reading below its reference by more than this share of the touch's strongest one contradicts the touch: skin bulges
+/// by a hundredth. For so long, s, and the reference is taken anew.
+const CONTRADICTS: f32 = 0.3;
+const WRONG_S: f32 = 0.3;
+/// Taxels that a module's median is taken of at most.
+const SAMPLE: usize = 64;
+/// Fewest untouched taxels that speak for a module.
+const SPEAKERS: usize = 3;
+/// A remainder of a touch is dropped when it stood still for so long below this share of the touch, s.
+const STILL_S: f32 = 0.3;
+const REMAINDER: f32 = 0.1;
+const STILL: f32 = 0.03;
+
+/// State of one module.
+#[derive(Clone, Debug)]
+struct Together {
+    range: Range<usize>,
+    /// Common drift, counts per second.
+    rate: [f32; 3],
+    /// Whether it is touched.
+    open: bool,
+    /// Corrections of its reference so far.
+    corrections: u32,
+    /// The only taxel of the newest frame that has come into contact; taken when it stays.
+    pending: Option<u32>,
+    /// Time without untouched taxels, s; negative after a common step.
+    unknown_s: f32,
+    /// Strength of the touch, counts: the largest, and the last one that differed; time since, s.
+    peak: f32,
+    strength: f32,
+    still_s: f32,
+    /// Whether its board may be another one than before.
+    doubt: bool,
+    /// Corrections in a row in which a taxel was below its reference without a touch.
+    below: u32,
+    /// Time for which the touch and readings below the reference contradicted each other, s.
+    wrong_s: f32,
+}
+
+/// State of every taxel beyond its reference: 26 bytes.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    constant_s: f32,
+    modules: Vec<Together>,
+    /// Contact threshold at rest, and the one in force.
+    base: Vec<f32>,
+    limits: Vec<f32>,
+    /// Counts that the last touch may have left.
+    left: Vec<f32>,
+    /// What a taxel drifts more than the module does, as a share of that.
+    gains: Vec<[f32; 3]>,
+    touched: Vec<bool>,
+    /// Whether it was below its reference at the last correction.
+    under: Vec<bool>,
+    followed: Option<Instant>,
+    corrections: u32,
+    /// How often the reference of a module proved to have been taken while it was touched.
+    taken_touched: u32,
+    /// A module whose reference was.
+    wrong: Option<usize>,
+    sample: Vec<f32>,
+}
+
+impl Rest {
+    pub(super) fn new(starts: &[u32], constant: Duration) -> Self {
+        let n = starts.last().map_or(0, |n| *n as usize);
+        let module = |pair: &[u32]| Together {
+            range: pair[0] as usize..pair[1] as usize,
+            rate: [0.0; 3],
+            open: false,
+            corrections: 0,
+            pending: None,
+            unknown_s: 0.0,
+            peak: 0.0,
+            strength: 0.0,
+            still_s: 0.0,
+            doubt: false,
+            below: 0,
+            wrong_s: 0.0,
+        };
+        Self {
+            constant_s: constant.as_secs_f64() as f32 * OWN,
+            modules: starts.windows(2).map(module).collect(),
+            base: alloc::vec![0.0; n],
+            limits: alloc::vec![0.0; n],
+            left: alloc::vec![0.0; n],
+            gains: alloc::vec![[0.0; 3]; n],
+            touched: alloc::vec![false; n],
+            under: alloc::vec![false; n],
+            followed: None,
+            corrections: 0,
+            taken_touched: 0,
+            wrong: None,
+            sample: Vec::with_capacity(SAMPLE),
+        }
+    }
+
+    /// The contact threshold of every taxel as it is in force.
+    pub(super) fn limits(&self) -> &[f32] {
+        &self.limits
+    }
+
+    /// How often a module's reference proved to have been taken while it was touched.
+    pub(super) const fn taken_touched(&self) -> u32 {
+        self.taken_touched
+    }
+
+    /// Whether a taxel is touched.
+    pub(super) fn touches(&self, taxel: usize) -> bool {
+        self.touched[taxel]
+    }
+
+    /// A module whose reference has to be taken anew.
+    pub(super) const fn take_wrong(&mut self) -> Option<usize> {
+        self.wrong.take()
+    }
+
+    /// Corrections so far.
+    pub(super) const fn corrections(&self) -> u32 {
+        self.corrections
+    }
+
+    /// Whether a taxel waits for a second frame, which may repeat the first.
+    pub(super) fn is_pending(&self) -> bool {
+        self.modules.iter().any(|m| m.pending.is_some())
+    }
+
+    /// Has a module looked at as one that may have another board.
+    pub(super) fn doubt(&mut self, module: usize) {
+        if let Some(of) = self.modules.get_mut(module) {
+            of.doubt = true;
+        }
+    }
+
+    /// A module in doubt whose readings are another board's: most are far from the reference, and too many of those below
+    /// it for a touch. Every module is looked at once.
+    pub(super) fn another_board(
+        &mut self,
+        reference: &Reference,
+        frame: &RelativeFrame,
+    ) -> Option<usize> {
+        for (m, of) in self.modules.iter_mut().enumerate() {
+            if !core::mem::replace(&mut of.doubt, false) {
+                continue;
+            }
+            let (mut all, mut far, mut below) = (0, 0, 0);
+            for i in of.range.clone().filter(|i| frame.usable()[*i]) {
+                all += 1;
+                far += usize::from(frame.magnitude()[i] > self.base[i]);
+                let away = reference.away(i, frame.counts()[i]);
+                below += usize::from(-away[2] > self.base[i]);
+            }
+            if far > 0 && 2 * far >= all && 4 * below >= far {
+                return Some(m);
+            }
+        }
+        None
+    }
+
+    /// Sets the thresholds at rest of some taxels.
+    pub(super) fn set(&mut self, range: Range<usize>, thresholds: &[f32]) {
+        self.base[range.clone()].copy_from_slice(&thresholds[range]);
+        (0..self.modules.len()).for_each(|m| self.renew(m));
+    }
+
+    /// Sets the limits of a module that are in force.
+    fn renew(&mut self, m: usize) {
+        let of = &self.modules[m];
+        let share = if of.open { RELEASE } else { 1.0 };
+        for i in of.range.clone() {
+            self.limits[i] = share * self.base[i] + self.left[i];
+        }
+    }
+
+    /// Forgets what is known of a module's taxels.
+    pub(super) fn forget(&mut self, module: usize) {
+        let of = &mut self.modules[module];
+        of.rate = [0.0; 3];
+        (of.open, of.pending, of.unknown_s, of.below) = (false, None, 0.0, 0);
+        of.wrong_s = 0.0;
+        (of.peak, of.strength, of.still_s, of.corrections) = (0.0, 0.0, 0.0, 0);
+        let range = of.range.clone();
+        self.left[range.clone()].fill(0.0);
+        self.gains[range.clone()].fill([0.0; 3]);
+        self.touched[range.clone()].fill(false);
+        self.under[range].fill(false);
+        self.renew(module);
+    }
+
+    /// Takes a step that most of a module made together for what it is, a change of temperature, out of the reference.
+    /// Returns whether it did: the frame has to be measured again then.
+    pub(super) fn step(&mut self, reference: &mut Reference, frame: &RelativeFrame) -> bool {
+        let mut stepped = false;
+        for m in 0..self.modules.len() {
+            let range = self.modules[m].range.clone();
+            let of = &self.modules[m];
+            let contacts = frame.contacts_of(m);
+            // Where no taxel told the drift under a touch, it shows when that touch has ended.
+            let has_ended = of.open && of.unknown_s > 0.0 && {
+                let strengths = contacts.iter().map(|i| frame.magnitude()[*i as usize]);
+                strengths.sum::<f32>() < ENDED * of.peak
+            };
+            let is_wide = contacts.len() * 5 >= range.len() * 4;
+            if range.len() <= SPEAKERS || !(is_wide || has_ended) {
+                continue;
+            }
+            let common = self.median(reference, frame, range.clone(), |_, _| true);
+            let Some(common) = common else { continue };
+            let size = norm(common);
+            let of = &mut self.modules[m];
+            let most = match (has_ended, of.open) {
+                (true, _) => STEP + STEP_PER_S * of.unknown_s,
+                (false, true) => 0.0,
+                (false, false) => STEP + STEP * of.unknown_s.min(0.0) / STEP_REST_S,
+            };
+            if size > most {
+                continue;
+            }
+            let near = |i: &usize| {
+                let away = reference.away(*i, frame.counts()[*i]);
+                let off = [0, 1, 2].map(|a| away[a] - common[a]);
+                norm(off) <= (0.4 * size).max(10.0)
+            };
+            let usable = range.clone().filter(|i| frame.usable()[*i]);
+            let (mut all, mut agree) = (0, 0);
+            for i in usable {
+                all += 1;
+                agree += usize::from(near(&i));
+            }
+            if agree * 5 >= all * 4 {
+                range.for_each(|i| reference.shift(i, common));
+                self.modules[m].unknown_s = -STEP_REST_S;
+                stepped = true;
+            }
+        }
+        stepped
+    }
+
+    /// Decides which of the taxels beyond their limits are touched; the frame's contacts are those then.
+    pub(super) fn decide(&mut self, reference: &Reference, frame: &mut RelativeFrame) {
+        let mut dropped = false;
+        for m in 0..self.modules.len() {
+            dropped |= self.decide_module(m, reference, frame);
+        }
+        if dropped {
+            let touched = &self.touched;
+            frame.retain_contacts(|i| touched[i as usize]);
+        }
+    }
+
+    /// As [`Self::decide`], of one module; returns whether any taxel beyond its limit is not touched.
+    fn decide_module(&mut self, m: usize, reference: &Reference, frame: &RelativeFrame) -> bool {
+        let contacts = frame.contacts_of(m);
+        let of = &mut self.modules[m];
+        if contacts.is_empty() && !of.open {
+            of.pending = None;
+            return false;
+        }
+        let (magnitude, counts) = (frame.magnitude(), frame.counts());
+        let (touched, base) = (&mut self.touched, &self.base);
+        let pressed = |i: usize| {
+            let along = reference.away(i, counts[i])[2];
+            along >= 0.0 || -along < BELOW * magnitude[i]
+        };
+        // A touch is felt by several taxels, comes on slowly, or is there in the next frame too.
+        let sudden = |i: &usize| !touched[*i] && magnitude[*i] > 2.0 * base[*i] && pressed(*i);
+        let mut leaps = contacts.iter().map(|i| *i as usize).filter(sudden);
+        let alone = leaps.next().filter(|_| leaps.next().is_none());
+        let quiet = |i: usize| magnitude[i] < 0.5 * base[i] || touched[i] || !frame.usable()[i];
+        let waits = alone.filter(|i| {
+            let mut others = of.range.clone().filter(|j| j != i);
+            of.pending != Some(*i as u32) && others.all(quiet)
+        });
+        of.pending = waits.map(|i| i as u32);
+        if of.open {
+            touched[of.range.clone()].fill(false);
+        }
+        let (mut members, mut strength) = (0, 0.0);
+        for i in contacts.iter().map(|i| *i as usize) {
+            if waits != Some(i) && pressed(i) {
+                touched[i] = true;
+                self.left[i] = self.left[i].max(LEFT * magnitude[i]);
+                members += 1;
+                strength += magnitude[i];
+            }
+        }
+        let was_open = core::mem::replace(&mut of.open, members > 0);
+        if of.open && !was_open {
+            (of.peak, of.still_s) = (0.0, 0.0);
+        }
+        of.peak = of.peak.max(strength);
+        if libm::fabsf(strength - of.strength) > STILL * of.peak {
+            (of.strength, of.still_s) = (strength, 0.0);
+        }
+        if of.open || was_open {
+            self.renew(m);
+        }
+        members < contacts.len()
+    }
+
+    /// Corrects the reference by a frame, where it is time to. Returns whether it did.
+    pub(super) fn follow(&mut self, reference: &mut Reference, frame: &RelativeFrame) -> bool {
+        let since = |at: Instant| frame.at.since(at).as_secs_f64() as f32;
+        let Some(since_s) = self.followed.map(since) else {
+            self.followed = Some(frame.at);
+            return false;
+        };
+        if since_s < EVERY_S {
+            return false;
+        }
+        self.followed = Some(frame.at);
+        self.corrections = self.corrections.saturating_add(1);
+        let dt = since_s.min(LONGEST_S);
+        for m in 0..self.modules.len() {
+            let common = self.common(m, reference, frame, dt);
+            self.correct(m, reference, frame, (common, dt));
+        }
+        true
+    }
+
+    /// How far a module drifted together since the last correction, counts along x, y, z.
+    fn common(
+        &mut self,
+        m: usize,
+        reference: &Reference,
+        frame: &RelativeFrame,
+        dt: f32,
+    ) -> [f32; 3] {
+        let range = self.modules[m].range.clone();
+        let rests = |s: &Self, i: usize| !s.touched[i] && frame.magnitude()[i] <= s.base[i];
+        let most = STEEPEST * dt;
+        let common = match range.len() > SPEAKERS {
+            true => self.median(reference, frame, range, rests),
+            false => Some([0.0; 3]),
+        };
+        let of = &mut self.modules[m];
+        of.unknown_s = match common {
+            Some(_) => (of.unknown_s + dt).min(0.0),
+            None => of.unknown_s + dt,
+        };
+        let common = common.unwrap_or([0.0; 3]);
+        let common = common.map(|c| c.clamp(-most, most));
+        for (rate, c) in of.rate.iter_mut().zip(common) {
+            *rate += (c / dt - *rate) * (dt / RATE_S);
+        }
+        common
+    }
+
+    /// Corrects the reference of a module's taxels.
+    fn correct(
+        &mut self,
+        m: usize,
+        reference: &mut Reference,
+        frame: &RelativeFrame,
+        (common, dt): ([f32; 3], f32),
+    ) {
+        let of = &mut self.modules[m];
+        of.still_s += dt;
+        of.corrections = of.corrections.saturating_add(1);
+        let drop = of.open && of.still_s > STILL_S && of.strength < REMAINDER * of.peak;
+        let free = !of.open;
+        let early = 1.0 / (of.corrections as f32 + 3.0);
+        let slow = (dt / (dt + self.constant_s)).max(early);
+        let quick = dt / (dt + QUICK_S);
+        let (mut below, mut faded) = (false, false);
+        let (mut strongest, mut lowest) = (0.0f32, 0.0f32);
+        for i in of.range.clone().filter(|i| frame.usable()[*i]) {
+            let gains = &mut self.gains[i];
+            let drift = [0, 1, 2].map(|a| common[a] * (1.0 + gains[a]));
+            if self.touched[i] {
+                reference.shift(i, drift);
+                strongest = strongest.max(frame.magnitude()[i]);
+                if drop {
+                    self.left[i] = frame.magnitude()[i];
+                    faded = true;
+                }
+                continue;
+            }
+            let away = reference.away(i, frame.counts()[i]);
+            let rest = [0, 1, 2].map(|a| away[a] - drift[a]);
+            let was_under = core::mem::replace(&mut self.under[i], -rest[2] > self.base[i]);
+            let under = free && was_under && self.under[i];
+            below |= under;
+            if was_under && -rest[2] > 2.0 * self.base[i] {
+                lowest = lowest.max(-rest[2]);
+            }
+            let (left, mut hurried) = (self.left[i], under);
+            if free && left > 0.0 {
+                let fades = left * (1.0 - dt / FADE_S);
+                self.left[i] = if fades < 1.0 { 0.0 } else { fades };
+                (hurried, faded) = (true, true);
+            }
+            if !under && frame.magnitude()[i] > self.base[i] + left {
+                // Neither at rest nor touched: a single reading says nothing.
+                reference.shift(i, drift);
+                continue;
+            }
+            let part = if hurried { quick } else { slow };
+            let steps = [0, 1, 2].map(|a| {
+                if free && !hurried && libm::fabsf(of.rate[a]) > SLOWEST {
+                    let learnt = STEER * slow * slow * rest[a] / (dt * of.rate[a]);
+                    gains[a] = (gains[a] + learnt).clamp(-WIDEST, WIDEST);
+                }
+                drift[a] + part * rest[a]
+            });
+            reference.shift(i, steps);
+        }
+        of.wrong_s = match of.open && lowest > CONTRADICTS * strongest {
+            true => of.wrong_s + dt,
+            false => 0.0,
+        };
+        if of.wrong_s > WRONG_S {
+            self.wrong = Some(m);
+            self.taken_touched = self.taken_touched.saturating_add(1);
+        }
+        of.below = if below { of.below + 1 } else { 0 };
+        if of.below == 3 {
+            self.taken_touched = self.taken_touched.saturating_add(1);
+        }
+        if faded {
+            self.renew(m);
+        }
+    }
+
+    /// Median distance from the reference along every axis, of some of a module's taxels; `None` where too few speak.
+    fn median(
+        &mut self,
+        reference: &Reference,
+        frame: &RelativeFrame,
+        range: Range<usize>,
+        speaks: impl Fn(&Self, usize) -> bool,
+    ) -> Option<[f32; 3]> {
+        let stride = range.len().div_ceil(SAMPLE).max(1);
+        let mut common = [0.0; 3];
+        let mut sample = core::mem::take(&mut self.sample);
+        let mut enough = true;
+        for (axis, common) in common.iter_mut().enumerate() {
+            sample.clear();
+            let taxels = range.clone().step_by(stride);
+            let taxels = taxels.filter(|i| frame.usable()[*i] && speaks(self, *i));
+            sample.extend(taxels.map(|i| reference.away(i, frame.counts()[i])[axis]));
+            enough &= sample.len() >= SPEAKERS;
+            if enough {
+                let middle = sample.len() / 2;
+                *common = *sample.select_nth_unstable_by(middle, f32::total_cmp).1;
+            }
+        }
+        self.sample = sample;
+        enough.then_some(common)
+    }
+}
+
+fn norm(v: [f32; 3]) -> f32 {
+    libm::sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+}

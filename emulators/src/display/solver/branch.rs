@@ -1,0 +1,27 @@
+//! Straight lines of the law of phases: ranges of temperature, and the way that it goes.
+
+/// Which way the wire's temperature is going.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heading {
+    /// Heating.
+    Up,
+    /// Cooling.
+    Down,
+}
+
+/// A range of temperature in which the law is one straight line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Branch {
+    /// d xi/dT of the martensite, 1/K; never positive.
+    pub slope: f64,
+    /// Latent heat that a kelvin takes up or releases, J/K; never negative.
+    pub latent: f64,
+    /// Change of the total strain, 1/K.
+    pub strain: f64,
+    /// Holds down to here, degrees C.
+    pub low: f64,
+    /// Holds up to here, degrees C.
+    pub high: f64,
+    /// Whether it ends when the temperature turns.
+    pub one_way: bool,
+}

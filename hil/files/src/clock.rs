@@ -1,0 +1,319 @@
+//! When the rows of a table came: which column says so, and what it counts.
+
+use super::columns::{TIMES, Wrong, shown};
+use super::dialect::Row;
+use super::gain::Gain;
+use super::times::{TimeColumn, TimeUnit, date_us};
+
+/// When the rows of a table came, and what their values are.
+#[derive(Clone, Debug, Default)]
+pub struct Timing {
+    /// The column that says so; none: a first column `time_us`, else one whose name says that it holds times.
+    pub column: Option<TimeColumn>,
+    /// Rows per second where no column says so.
+    pub rate_hz: Option<f64>,
+    /// Whether jumps of the clock are taken out.
+    pub split_jumps: bool,
+    /// Rows at rest that are put before the readings of an array that is compensated, and never at rest.
+    pub rest_rows: usize,
+    /// What makes counts of values in another unit.
+    pub gain: Option<Gain>,
+}
+
+/// Where times come from.
+#[derive(Clone, Debug)]
+pub(super) enum Clock {
+    Column(usize, TimeColumn),
+    /// Whole seconds, and the column of the nanoseconds in them.
+    Seconds(usize, usize),
+    Rate(f64),
+    /// Times are of no interest.
+    None,
+}
+
+/// Rows of a table's beginning, by which a clock without a unit is told.
+pub(super) struct Beginning<'a> {
+    /// The names of the columns; none where there is no heading.
+    pub(super) names: Option<&'a [&'a str]>,
+    pub(super) rows: &'a [Vec<String>],
+    /// Columns that stand before the values, where there is no heading.
+    pub(super) before: usize,
+}
+
+impl Clock {
+    /// The column of times, which holds no values.
+    pub(super) fn places(&self) -> Vec<usize> {
+        match self {
+            Self::Column(place, _) => vec![*place],
+            Self::Seconds(seconds, nanos) => vec![*seconds, *nanos],
+            Self::Rate(_) | Self::None => Vec::new(),
+        }
+    }
+
+    /// The column of times, where there is one, and what it counts.
+    pub(super) fn counted(&self) -> Option<(usize, TimeUnit)> {
+        match self {
+            Self::Column(place, column) => Some((*place, column.unit)),
+            Self::Seconds(place, _) => Some((*place, TimeUnit::Ns)),
+            Self::Rate(_) | Self::None => None,
+        }
+    }
+
+    /// The column of times as errors name it.
+    pub(super) fn key(&self) -> String {
+        match self {
+            Self::Column(place, column) if column.name.is_empty() => {
+                format!("column {}", place + 1)
+            }
+            Self::Column(place, column) => format!("column {} ({})", place + 1, column.name),
+            Self::Seconds(seconds, nanos) => format!("columns {} and {}", seconds + 1, nanos + 1),
+            Self::Rate(_) | Self::None => String::new(),
+        }
+    }
+
+    /// The time of a row as its column states it, microseconds; 0 without one. Where what the numbers count was not
+    /// stated, they are whole.
+    pub(super) fn micros(&self, row: Row<'_>, stated: bool) -> Result<u64, Wrong> {
+        let wrong = |field: &str, expected: String| (Some(self.key()), expected, shown(field));
+        match self {
+            Self::Rate(_) | Self::None => Ok(0),
+            Self::Column(place, column) => {
+                let field = row.get(*place);
+                let us = match stated || column.unit != TimeUnit::Us {
+                    true => column.unit.micros(field),
+                    false => field.parse().ok(),
+                };
+                let whole = if stated { "" } else { "whole " };
+                us.ok_or_else(|| wrong(field, format!("a {whole}number of {}", column.unit.noun())))
+            }
+            Self::Seconds(seconds, nanos) => {
+                let whole = |place: usize, most: u64| {
+                    let field = row.get(place);
+                    let number = field.parse::<u64>().ok().filter(|n| *n < most);
+                    number.ok_or_else(|| wrong(field, format!("a whole number below {most}")))
+                };
+                let us = whole(*seconds, u64::MAX / 2_000_000)? * 1_000_000;
+                Ok(us + whole(*nanos, 1_000_000_000)? / 1000)
+            }
+        }
+    }
+}
+
+impl Timing {
+    /// The clock of a table, and what is to be said of how it was found.
+    pub(super) fn clock(&self, table: &Beginning<'_>) -> Result<(Clock, Option<String>), Wrong> {
+        let names = table.names.unwrap_or_default();
+        if let Some(column) = &self.column {
+            let place = names.iter().position(|name| *name == column.name);
+            let place = place.ok_or_else(|| {
+                let found = match table.names {
+                    Some(names) => shown(&names.join(", ")),
+                    None => "no heading".into(),
+                };
+                (None, format!("a column {} (--time)", column.name), found)
+            })?;
+            if let Some(nanos) = nanos_beside(names, place) {
+                let note = format!("times are `{}` and `{}`", names[place], names[nanos]);
+                return Ok((Clock::Seconds(place, nanos), Some(note)));
+            }
+            return Ok((Clock::Column(place, column.clone()), None));
+        }
+        if names.first() == Some(&TIMES[0]) {
+            let column = TimeColumn {
+                name: TIMES[0].into(),
+                unit: TimeUnit::Us,
+            };
+            return Ok((Clock::Column(0, column), None));
+        }
+        match self.rate_hz {
+            Some(rate) if rate.is_finite() && rate > 0.0 => return Ok((Clock::Rate(rate), None)),
+            Some(rate) => return Err((None, "a rate above 0 Hz".into(), rate.to_string())),
+            None => {}
+        }
+        let found = match table.names {
+            Some(names) => named(names, table.rows)?,
+            None => unnamed(table)?,
+        };
+        Ok(found.unwrap_or((Clock::None, None)))
+    }
+}
+
+type Found = Option<(Clock, Option<String>)>;
+
+/// The first column whose name says that it holds times.
+fn named(names: &[&str], rows: &[Vec<String>]) -> Result<Found, Wrong> {
+    for (place, name) in names.iter().enumerate() {
+        let Some(unit) = is_time(name) else { continue };
+        if let Some(nanos) = nanos_beside(names, place) {
+            let note = format!("times are `{name}` and `{}`", names[nanos]);
+            return Ok(Some((Clock::Seconds(place, nanos), Some(note))));
+        }
+        return of_column(place, name, unit, rows).map(Some);
+    }
+    Ok(None)
+}
+
+/// A counter, a time, or both before the values.
+fn unnamed(table: &Beginning<'_>) -> Result<Found, Wrong> {
+    let counts = |place: usize| {
+        let rows = table.rows.iter();
+        let numbers: Option<Vec<u64>> = rows.map(|row| row.get(place)?.parse().ok()).collect();
+        numbers.is_some_and(|n| n.len() > 1 && n.windows(2).all(|p| p[1] == p[0] + 1))
+    };
+    match table.before {
+        0 => Ok(None),
+        1 if counts(0) => Ok(None),
+        1 => of_column(0, "", None, table.rows).map(Some),
+        2 if counts(0) => of_column(1, "", None, table.rows).map(Some),
+        before => {
+            let found = format!("{before} columns before the values");
+            Err((
+                None,
+                "a time, or a number and a time, before them".into(),
+                found,
+            ))
+        }
+    }
+}
+
+fn of_column(
+    place: usize,
+    name: &str,
+    unit: Option<TimeUnit>,
+    rows: &[Vec<String>],
+) -> Result<(Clock, Option<String>), Wrong> {
+    let shown_name = match name {
+        "" => format!("column {}", place + 1),
+        name => format!("column `{name}`"),
+    };
+    let (unit, note) = match unit {
+        Some(unit) => (unit, format!("times are {shown_name}, {}", unit.noun())),
+        None => {
+            let fields: Vec<&str> = rows
+                .iter()
+                .filter_map(|r| Some(r.get(place)?.as_str()))
+                .collect();
+            let guessed = guess(&fields).ok_or_else(|| {
+                let expected = "what it counts (--time COLUMN:UNIT with s, ms, us, ns or date), or a rate (--rate HZ)";
+                let found = fields.iter().take(3).copied().collect::<Vec<_>>().join(", ");
+                (Some(shown_name.clone()), expected.to_owned(), shown(&found))
+            })?;
+            let note = format!(
+                "times are {shown_name}, taken for {} by its numbers (--time COLUMN:UNIT says otherwise)",
+                guessed.noun()
+            );
+            (guessed, note)
+        }
+    };
+    let column = TimeColumn {
+        name: name.to_owned(),
+        unit,
+    };
+    Ok((Clock::Column(place, column), Some(note)))
+}
+
+/// Words for a unit at the end of a name; those from `secs` on may be all of it.
+const UNITS: [(TimeUnit, &[&str]); 4] = [
+    (TimeUnit::S, &["s", "sec", "secs", "second", "seconds"]),
+    (
+        TimeUnit::Ms,
+        &["ms", "msec", "msecs", "millis", "milliseconds"],
+    ),
+    (
+        TimeUnit::Us,
+        &["us", "µs", "μs", "usec", "usecs", "micros", "microseconds"],
+    ),
+    (
+        TimeUnit::Ns,
+        &[
+            "ns",
+            "nsec",
+            "nsecs",
+            "nanosec",
+            "nanosecs",
+            "nanos",
+            "nanoseconds",
+        ],
+    ),
+];
+
+/// Whether a name is one of times, with the unit if it says so.
+fn is_time(name: &str) -> Option<Option<TimeUnit>> {
+    if name == "%time" {
+        return Some(Some(TimeUnit::Ns)); // as rostopic writes them
+    }
+    let lower = name.to_lowercase();
+    let mut words: Vec<&str> = lower.split(|c: char| !c.is_alphanumeric()).collect();
+    words.retain(|word| !word.is_empty());
+    let unit_of = |word: &str| {
+        UNITS
+            .iter()
+            .find(|(_, names)| names.contains(&word))
+            .map(|(u, _)| *u)
+    };
+    let is_base = |words: &[&str]| {
+        matches!(
+            words,
+            ["t" | "date" | "timestamps"]
+                | [.., "time" | "timestamp" | "stamp" | "datetime" | "elapsed"]
+        )
+    };
+    if is_base(&words) {
+        return Some(None);
+    }
+    let (last, base) = words.split_last()?;
+    let unit = unit_of(last)?;
+    (is_base(base) || (base.is_empty() && last.len() > 2)).then_some(Some(unit))
+}
+
+/// The column of nanoseconds that belongs to one of whole seconds: `secs` and `nsecs`, `stamp.sec` and `stamp.nanosec`.
+fn nanos_beside(names: &[&str], seconds: usize) -> Option<usize> {
+    let name = names.get(seconds)?;
+    let partner = |name: &str, (sec, nano): (&str, &str)| {
+        let base = name.strip_suffix(sec)?;
+        let wanted = format!("{base}{nano}");
+        names.iter().position(|other| *other == wanted)
+    };
+    let pairs = [("secs", "nsecs"), ("sec", "nanosec"), ("sec", "nsec")];
+    pairs.into_iter().find_map(|pair| partner(name, pair))
+}
+
+/// What a column counts, by its numbers: those since 1970 say so, others by rows that a skin would give.
+fn guess(fields: &[&str]) -> Option<TimeUnit> {
+    if fields.first().is_some_and(|f| date_us(f).is_some()) {
+        return Some(TimeUnit::Date);
+    }
+    let numbers: Option<Vec<f64>> = fields.iter().map(|f| f.parse().ok()).collect();
+    let numbers = numbers.filter(|n| n.iter().all(|v| v.is_finite()))?;
+    let first = *numbers.first()?;
+    let units = [
+        (TimeUnit::S, 1.0),
+        (TimeUnit::Ms, 1e3),
+        (TimeUnit::Us, 1e6),
+        (TimeUnit::Ns, 1e9),
+    ];
+    // From 2001 to 2096.
+    let since_1970 = |(_, scale): &&(TimeUnit, f64)| (1e9..4e9).contains(&(first / scale));
+    if let Some((unit, _)) = units.iter().find(since_1970) {
+        return Some(*unit);
+    }
+    let mut steps: Vec<f64> = numbers
+        .windows(2)
+        .map(|p| p[1] - p[0])
+        .filter(|s| *s > 0.0)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    // Rows as a skin would give them, so far apart that no two units could be meant.
+    Some(match step {
+        1e-4..0.9 => TimeUnit::S,
+        s if s > 1.0 && s <= 500.0 => TimeUnit::Ms,
+        1e3..=5e5 => TimeUnit::Us,
+        1e6..=5e8 => TimeUnit::Ns,
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+#[path = "clock_tests.rs"]
+mod tests;

@@ -1,0 +1,370 @@
+//! Messages of an MCAP file as the text of a table: a row for each message of the topic that holds most numbers.
+//!
+//! A column is called by its fields and places in lists, `data.0`; the first column is when a message was logged. Bags of
+//! ROS 2 (CDR) and messages in JSON are read. Packed chunks are named with the command that unpacks them.
+
+mod cdr;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use super::error::{FileError, said};
+use super::made::Lines;
+use super::objects::flatten;
+use super::reading::open;
+use cdr::Definition;
+
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Longest record, bytes.
+const MOST_RECORD: u64 = 64 << 20;
+/// Messages that are looked at to choose a topic.
+const LOOKED_AT: usize = 1000;
+/// The topic of recordings of ours: frames of a bus.
+const CAN: &str = "/can";
+
+/// Kinds of record, by the specification's numbers.
+mod op {
+    pub const SCHEMA: u8 = 0x03;
+    pub const CHANNEL: u8 = 0x04;
+    pub const MESSAGE: u8 = 0x05;
+    pub const CHUNK: u8 = 0x06;
+    pub const DATA_END: u8 = 0x0f;
+}
+
+/// A message as its numbers, each under a name.
+type Leaves = Vec<(String, String)>;
+
+/// Reads a file message by message.
+pub(super) struct Messages {
+    records: Records,
+    topic: u16,
+    name: String,
+    /// The names of the columns, once they are known.
+    names: Vec<String>,
+}
+
+/// Whether a file holds frames of a bus, as those that this program writes, or was cut before it says what it holds.
+#[must_use]
+pub fn holds_frames(path: &Path) -> bool {
+    let Ok(mut records) = Records::open(path) else {
+        return true; // reading it will say why
+    };
+    for _ in 0..LOOKED_AT {
+        if records
+            .channels
+            .values()
+            .any(|channel| channel.topic == CAN)
+        {
+            return true;
+        }
+        if !matches!(records.advance(), Ok(Some(_))) {
+            break;
+        }
+    }
+    let mut topics = records
+        .channels
+        .values()
+        .map(|channel| channel.topic.as_str());
+    records.channels.is_empty() || topics.any(|topic| topic == CAN)
+}
+
+impl Messages {
+    /// Opens a file, and chooses its topic.
+    ///
+    /// # Errors
+    /// A file without a message that is read.
+    pub(super) fn open(path: &Path) -> Result<Self, FileError> {
+        let mut records = Records::open(path)?;
+        let mut most: BTreeMap<u16, usize> = BTreeMap::new();
+        for _ in 0..LOOKED_AT {
+            let Some(message) = records.advance()? else {
+                break;
+            };
+            let count = records.leaves(&message)?.map_or(0, |leaves| leaves.len());
+            let known = most.entry(message.channel).or_default();
+            *known = count.max(*known);
+        }
+        let best = most
+            .iter()
+            .max_by_key(|(channel, count)| (**count, std::cmp::Reverse(**channel)));
+        let Some((&topic, _)) = best.filter(|(_, count)| **count > 0) else {
+            let named = |c: &Channel| format!("{} ({})", c.topic, c.encoding);
+            let topics: Vec<String> = records.channels.values().map(named).collect();
+            let found = match topics.as_slice() {
+                [] => "no messages".to_owned(),
+                topics => topics.join(", "),
+            };
+            let expected = "messages of numbers, in CDR with a schema (ROS 2) or in JSON";
+            return Err(FileError::whole(&records.label, expected, found));
+        };
+        let name = records
+            .channels
+            .get(&topic)
+            .map_or_else(String::new, |c| c.topic.clone());
+        Ok(Self {
+            records: Records::open(path)?,
+            topic,
+            name,
+            names: Vec::new(),
+        })
+    }
+
+    /// What is to be said of the choice.
+    pub(super) fn note(&self) -> String {
+        format!(
+            "{}: rows are the messages of topic `{}`",
+            self.records.label, self.name
+        )
+    }
+}
+
+impl Lines for Messages {
+    fn add(&mut self, text: &mut Vec<u8>) -> Result<bool, FileError> {
+        let Some(message) = self.records.advance()? else {
+            return Ok(false);
+        };
+        if message.channel != self.topic {
+            return Ok(true);
+        }
+        let Some(leaves) = self.records.leaves(&message)? else {
+            return Ok(true);
+        };
+        if self.names.is_empty() {
+            self.names = leaves.iter().map(|(name, _)| name.clone()).collect();
+            text.extend(format!("time_ns,{}\n", self.names.join(",")).bytes());
+        }
+        let is_same = leaves.len() == self.names.len()
+            && leaves
+                .iter()
+                .zip(&self.names)
+                .all(|((name, _), known)| name == known);
+        if !is_same {
+            let found = format!("{} numbers", leaves.len());
+            let expected = format!(
+                "messages of topic `{}` with the {} numbers of the first",
+                self.name,
+                self.names.len()
+            );
+            return Err(FileError::whole(&self.records.label, expected, found));
+        }
+        text.extend(message.log_ns.to_string().bytes());
+        for (_, value) in leaves {
+            text.push(b',');
+            text.extend(value.bytes());
+        }
+        text.push(b'\n');
+        Ok(true)
+    }
+}
+
+/// What the messages of a topic are made of.
+struct Channel {
+    topic: String,
+    encoding: String,
+    /// By the number of a schema.
+    schema: u16,
+}
+
+struct Message {
+    channel: u16,
+    log_ns: u64,
+    data: Vec<u8>,
+}
+
+/// The records of a file, with those in chunks.
+struct Records {
+    label: String,
+    input: BufReader<File>,
+    definitions: BTreeMap<u16, Definition>,
+    channels: BTreeMap<u16, Channel>,
+    /// The chunk that is read, and how far.
+    chunk: Vec<u8>,
+    at: usize,
+}
+
+impl Records {
+    fn open(path: &Path) -> Result<Self, FileError> {
+        let label = path.display().to_string();
+        let mut input = BufReader::new(open(path, "a recording (MCAP)")?);
+        let mut magic = [0; MAGIC.len()];
+        let read = input.read_exact(&mut magic);
+        if read.is_err() || magic != MAGIC {
+            return Err(FileError::whole(label, "an MCAP file", "another beginning"));
+        }
+        Ok(Self {
+            label,
+            input,
+            definitions: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            chunk: Vec::new(),
+            at: 0,
+        })
+    }
+
+    /// The next message; none at the end. What a file was cut in is left out.
+    fn advance(&mut self) -> Result<Option<Message>, FileError> {
+        loop {
+            let record = match self.of_chunk() {
+                Some(record) => Some(record),
+                None => self.of_file()?,
+            };
+            let Some((kind, body)) = record else {
+                return Ok(None);
+            };
+            match kind {
+                op::DATA_END => return Ok(None),
+                op::CHUNK => self.open_chunk(&body)?,
+                op::SCHEMA => drop(self.schema(&body)),
+                op::CHANNEL => drop(self.channel(&body)),
+                op::MESSAGE => {
+                    if let Some(message) = message(&body) {
+                        return Ok(Some(message));
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn of_file(&mut self) -> Result<Option<(u8, Vec<u8>)>, FileError> {
+        let mut head = [0; 9];
+        if self.input.read_exact(&mut head).is_err() {
+            return Ok(None);
+        }
+        let (kind, length) = head.split_at(1);
+        let length = length.try_into().map_or(u64::MAX, u64::from_le_bytes);
+        if length > MOST_RECORD {
+            let expected = format!("records of at most {MOST_RECORD} bytes");
+            return Err(FileError::whole(&self.label, expected, format!("{length}")));
+        }
+        let mut body = Vec::new();
+        let read = (&mut self.input).take(length).read_to_end(&mut body);
+        let read = read.map_err(|e| FileError::whole(&self.label, "a readable file", said(&e)))?;
+        Ok((read as u64 == length).then(|| (kind[0], body)))
+    }
+
+    fn of_chunk(&mut self) -> Option<(u8, Vec<u8>)> {
+        let mut rest = Bytes(self.chunk.get(self.at..)?);
+        let kind = rest.number(1)? as u8;
+        let length = usize::try_from(rest.number(8)?).ok()?;
+        let body = rest.take(length)?.to_vec();
+        self.at += 9 + length;
+        Some((kind, body))
+    }
+
+    fn open_chunk(&mut self, body: &[u8]) -> Result<(), FileError> {
+        let mut bytes = Bytes(body);
+        let mut parts = || -> Option<(String, Vec<u8>)> {
+            bytes.take(28)?;
+            let packing = bytes.text()?;
+            let length = usize::try_from(bytes.number(8)?).ok()?;
+            Some((packing, bytes.take(length)?.to_vec()))
+        };
+        let Some((packing, records)) = parts() else {
+            return Ok(());
+        };
+        if !packing.is_empty() {
+            let expected = "chunks that are not packed (mcap decompress FILE.mcap -o OUT.mcap)";
+            return Err(FileError::whole(&self.label, expected, packing));
+        }
+        (self.chunk, self.at) = (records, 0);
+        Ok(())
+    }
+
+    fn schema(&mut self, body: &[u8]) -> Option<()> {
+        let mut bytes = Bytes(body);
+        let id = bytes.number(2)? as u16;
+        let (name, encoding) = (bytes.text()?, bytes.text()?);
+        if encoding == "ros2msg" {
+            let text = bytes.text()?;
+            self.definitions.insert(id, Definition::of(&name, &text));
+        }
+        Some(())
+    }
+
+    fn channel(&mut self, body: &[u8]) -> Option<()> {
+        let mut bytes = Bytes(body);
+        let (id, schema) = (bytes.number(2)? as u16, bytes.number(2)? as u16);
+        let channel = Channel {
+            topic: bytes.text()?,
+            encoding: bytes.text()?,
+            schema,
+        };
+        self.channels.insert(id, channel);
+        Some(())
+    }
+
+    /// The numbers of a message; none of another encoding.
+    fn leaves(&self, message: &Message) -> Result<Option<Leaves>, FileError> {
+        let Some(channel) = self.channels.get(&message.channel) else {
+            return Ok(None);
+        };
+        let broken = || {
+            let expected = format!("whole messages of topic `{}`", channel.topic);
+            FileError::whole(
+                &self.label,
+                expected,
+                format!("one of {} bytes", message.data.len()),
+            )
+        };
+        let mut leaves = Vec::new();
+        match channel.encoding.as_str() {
+            "json" => {
+                let value = serde_json::from_slice(&message.data).map_err(|_| broken())?;
+                flatten("", &value, &mut leaves);
+            }
+            "cdr" => {
+                let Some(definition) = self.definitions.get(&channel.schema) else {
+                    return Ok(None);
+                };
+                definition
+                    .read(&message.data, &mut leaves)
+                    .ok_or_else(broken)?;
+            }
+            _ => return Ok(None),
+        }
+        Ok(Some(leaves))
+    }
+}
+
+fn message(body: &[u8]) -> Option<Message> {
+    let mut bytes = Bytes(body);
+    let channel = bytes.number(2)? as u16;
+    bytes.take(4)?;
+    let log_ns = bytes.number(8)?;
+    bytes.take(8)?;
+    Some(Message {
+        channel,
+        log_ns,
+        data: bytes.0.to_vec(),
+    })
+}
+
+/// Bytes of a record that are still to be read.
+struct Bytes<'b>(&'b [u8]);
+
+impl<'b> Bytes<'b> {
+    fn take(&mut self, length: usize) -> Option<&'b [u8]> {
+        let (taken, rest) = self.0.split_at_checked(length)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    /// A little-endian number of up to eight bytes.
+    fn number(&mut self, width: usize) -> Option<u64> {
+        let bytes = self.take(width)?.iter().rev();
+        Some(bytes.fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
+    /// A text with its length in front.
+    fn text(&mut self) -> Option<String> {
+        let length = usize::try_from(self.number(4)?).ok()?;
+        let bytes = self.take(length)?;
+        Some(String::from_utf8_lossy(bytes).into_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests;

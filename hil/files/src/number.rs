@@ -1,0 +1,49 @@
+//! Numbers that tables of recordings hold.
+
+/// A number that a table may hold.
+pub trait Number: Sized {
+    /// What messages call it.
+    const EXPECTED: &'static str;
+
+    /// The number in a field.
+    fn read(field: &str) -> Option<Self>;
+
+    /// The number that a value comes to.
+    fn of_value(value: f64) -> Option<Self>;
+}
+
+impl Number for u16 {
+    const EXPECTED: &'static str = "a whole count from 0 to 65535";
+
+    /// Also written as `49202.0`.
+    fn read(field: &str) -> Option<Self> {
+        let whole = match field.split_once('.') {
+            Some((whole, rest)) if rest.bytes().all(|digit| digit == b'0') => whole,
+            _ => field,
+        };
+        if let Ok(count) = whole.parse() {
+            return Some(count);
+        }
+        let value: f64 = field.parse().ok()?;
+        let whole = (0.0..=65_535.0).contains(&value) && (value - libm::floor(value)).abs() <= 0.0;
+        // In range and whole: the cast changes nothing.
+        whole.then_some(value as Self)
+    }
+
+    fn of_value(value: f64) -> Option<Self> {
+        let count = libm::round(value);
+        (0.0..=65_535.0).contains(&count).then_some(count as Self)
+    }
+}
+
+impl Number for f32 {
+    const EXPECTED: &'static str = "a finite number";
+
+    fn read(field: &str) -> Option<Self> {
+        field.parse().ok().filter(|v: &Self| v.is_finite())
+    }
+
+    fn of_value(value: f64) -> Option<Self> {
+        Some(value as Self).filter(|v| v.is_finite())
+    }
+}

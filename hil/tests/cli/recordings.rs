@@ -1,0 +1,278 @@
+//! Recordings of other makers: every row of the table in `docs/recordings.md`, on a small file of the same format.
+
+use super::*;
+
+const ROWS: usize = 60;
+const COUNTS: usize = 48;
+/// 2026-03-01, in seconds.
+const SINCE_1970: f64 = 1_772_366_400.0;
+
+fn count(row: usize, column: usize) -> u16 {
+    contacts::pad(row, 0)[column]
+}
+
+/// Lines with the counts of each row between `before` and the end.
+fn lines(
+    separator: &str,
+    before: impl Fn(usize) -> String,
+    shown: impl Fn(u16) -> String,
+) -> String {
+    let line = |row: usize| {
+        let counts: Vec<String> = (0..COUNTS).map(|c| shown(count(row, c))).collect();
+        before(row) + &counts.join(separator) + "\n"
+    };
+    (0..ROWS).map(line).collect()
+}
+
+fn names(name: impl Fn(usize) -> String, separator: &str) -> String {
+    (0..COUNTS).map(name).collect::<Vec<_>>().join(separator)
+}
+
+fn plain(count: u16) -> String {
+    count.to_string()
+}
+
+fn seconds(row: usize) -> f64 {
+    SINCE_1970 + row as f64 * 0.01
+}
+
+fn bytes(values: impl Iterator<Item = (usize, usize)>) -> Vec<u8> {
+    values
+        .flat_map(|(row, column)| f64::from(count(row, column)).to_le_bytes())
+        .collect()
+}
+
+fn npy() -> Vec<u8> {
+    let header =
+        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({ROWS}, {COUNTS}), }}\n");
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.as_bytes());
+    file.extend(bytes((0..ROWS * COUNTS).map(|n| (n / COUNTS, n % COUNTS))));
+    file
+}
+
+/// `numpy.savez(counts=...)`.
+fn npz() -> Vec<u8> {
+    let (name, data) = (b"counts.npy", npy());
+    let length = (data.len() as u32).to_le_bytes();
+    let mut file = b"PK\x03\x04".to_vec();
+    file.extend([0; 22]);
+    file.extend([name.len() as u8, 0, 0, 0]);
+    file.extend(name);
+    file.extend(&data);
+    let directory = file.len() as u32;
+    file.extend(b"PK\x01\x02");
+    file.extend([0; 16]);
+    file.extend([length, length].concat());
+    file.extend([name.len() as u8, 0]);
+    file.extend([0; 16]);
+    file.extend(name);
+    let size = file.len() as u32 - directory;
+    file.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    file.extend([size.to_le_bytes(), directory.to_le_bytes()].concat());
+    file.extend([0; 2]);
+    file
+}
+
+/// `scipy.io.savemat("counts.mat", {"raw": counts})`.
+fn mat() -> Vec<u8> {
+    let element = |kind: u32, data: &[u8]| {
+        let mut all = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        all.extend(data);
+        all.resize(all.len().next_multiple_of(8), 0);
+        all
+    };
+    let sizes = [(ROWS as u32).to_le_bytes(), (COUNTS as u32).to_le_bytes()].concat();
+    let data = bytes((0..ROWS * COUNTS).map(|n| (n % ROWS, n / ROWS)));
+    let flags = [6, 0, 0, 0, 0, 0, 0, 0];
+    let parts = [
+        element(6, &flags),
+        element(5, &sizes),
+        element(1, b"raw"),
+        element(9, &data),
+    ];
+    let mut file = b"MATLAB 5.0 MAT-file".to_vec();
+    file.resize(124, b' ');
+    file.extend(b"\x00\x01IM");
+    file.extend(element(14, &parts.concat()));
+    file
+}
+
+/// A bag of ROS 2 with counts under `/skin`.
+fn mcap() -> Vec<u8> {
+    let text = |value: &str| [&(value.len() as u32).to_le_bytes()[..], value.as_bytes()].concat();
+    let record =
+        |kind: u8, body: Vec<u8>| [&[kind][..], &(body.len() as u64).to_le_bytes(), &body].concat();
+    let mut file = b"\x89MCAP0\r\n".to_vec();
+    let names = [
+        text("skin_msgs/msg/Counts"),
+        text("ros2msg"),
+        text("uint16[] data"),
+    ]
+    .concat();
+    file.extend(record(3, [&[1, 0][..], &names].concat()));
+    let names = [text("/skin"), text("cdr"), vec![0; 4]].concat();
+    file.extend(record(4, [&[0, 0, 1, 0][..], &names].concat()));
+    for row in 0..ROWS {
+        let ns = 1_772_366_400_000_000_000 + row as u64 * 10_000_000;
+        let mut message = [&[0; 6][..], &ns.to_le_bytes(), &ns.to_le_bytes()].concat();
+        message.extend([0, 1, 0, 0]);
+        message.extend((COUNTS as u32).to_le_bytes());
+        message.extend((0..COUNTS).flat_map(|c| count(row, c).to_le_bytes()));
+        file.extend(record(5, message));
+    }
+    file.extend(record(15, vec![0; 4]));
+    file
+}
+
+/// A file of every format in the table.
+fn write_all(folder: &Folder) {
+    let axis = |c: usize| ["X", "Y", "Z"][c % 3];
+    let taxel = |c: usize| format!("txl{}_{}", c / 3 + 1, axis(c).to_lowercase());
+    let own = names(taxel, ",");
+    let plain_rows = lines(",", |_| String::new(), plain);
+    folder.write("own.csv", &format!("{own}\n{plain_rows}"));
+    let both = ["left_", "right_"].map(|side| names(|c| side.to_owned() + &taxel(c), ","));
+    let twice: Vec<String> = plain_rows
+        .lines()
+        .map(|line| format!("{line},{line}"))
+        .collect();
+    folder.write(
+        "two.csv",
+        &format!("{}\n{}\n", both.join(","), twice.join("\n")),
+    );
+    let milli = |count: u16| format!("{:.3}", f64::from(count) / 1000.0);
+    let units = lines(",", |row| format!("{},", row as f64 * 0.01), milli);
+    folder.write("newtons.csv", &format!("t,{own}\n{units}"));
+    let forces = |row: usize| format!("{0},{0},{row},", seconds(row));
+    let head = names(|c| format!("{}{}", c / 3 + 1, axis(c)), ",");
+    let force = names(|c| format!("Force {}{}", c / 3 + 1, axis(c)), ",");
+    let zeros = vec!["0.0"; COUNTS].join(",");
+    let rows = lines(",", forces, plain).replace('\n', &format!(",{zeros}\n"));
+    let head = format!("Receive time,Send time,Message number,{head},{force}\n");
+    folder.write("xela_log.csv", &(head + &rows));
+    let message = |row: usize| {
+        let data: Vec<String> = (0..COUNTS)
+            .map(|c| format!("{:04X}", count(row, c)))
+            .collect();
+        let (time, data) = (seconds(row), data.join(","));
+        format!(
+            "{{\"message\":{row},\"time\":{time},\"sensors\":1,\"1\":{{\"data\":\"{data}\",\"model\":\"uSPa44\",\"calibrated\":null}}}}\n"
+        )
+    };
+    let greeting = "{\"message\":\"Welcome\",\"sensors\":1}\n".to_owned();
+    folder.write(
+        "xela_server.jsonl",
+        &(greeting + &(0..ROWS).map(message).collect::<String>()),
+    );
+    let head = format!("%time,{}\n", names(|c| format!("field.data{c}"), ","));
+    let ns = |row: usize| format!("{},", 1_772_366_400_000_000_000 + row as u64 * 10_000_000);
+    folder.write("rostopic.csv", &(head + &lines(",", ns, plain)));
+    let head = format!("secs,nsecs,{}\n", names(|c| format!("data[{c}]"), ","));
+    let stamp = |row: usize| format!("1772366400,{},", row * 10_000_000);
+    folder.write("stamps.csv", &(head + &lines(",", stamp, plain)));
+    let port = |row: usize| format!("{row} {:.6} ", seconds(row));
+    folder.write("data.log", &lines(" ", port, |c| format!("{c}.000000")));
+    let head = format!("# t {}\n", names(|c| format!("c{c}"), " "));
+    let elapsed = |row: usize| format!("{:.18e} ", row as f64 * 0.01);
+    let float = |c: u16| format!("{:.18e}", f64::from(c));
+    folder.write("savetxt.txt", &(head + &lines(" ", elapsed, float)));
+    let head = format!(
+        "\u{FEFF}Zeit;Time (ms);{};\r\n",
+        names(|c| format!("Kanal {c}"), ";")
+    );
+    let clock = |row: usize| format!("x;{},0;", row * 10);
+    let rows = lines(";", clock, |c| format!("{c},0")).replace('\n', ";\r\n");
+    folder.write("tabelle.csv", &(head + &rows));
+    // Sorted as texts are: ch0, ch1, ch10.
+    let mut order: Vec<usize> = (0..COUNTS).collect();
+    order.sort_by_key(|c| c.to_string());
+    let mut sorted = order
+        .iter()
+        .map(|c| format!("ch{c}"))
+        .collect::<Vec<_>>()
+        .join(",");
+    for row in 0..ROWS {
+        let row: Vec<String> = order.iter().map(|c| plain(count(row, *c))).collect();
+        sorted += &format!("\n{}", row.join(","));
+    }
+    folder.write("sorted.csv", &sorted);
+    fs::write(folder.path("counts.npy"), npy()).unwrap();
+    fs::write(folder.path("counts.npz"), npz()).unwrap();
+    fs::write(folder.path("counts.mat"), mat()).unwrap();
+    fs::write(folder.path("bag.mcap"), mcap()).unwrap();
+    for (name, start) in [
+        ("table.parquet", &b"PAR1\x15\x04"[..]),
+        ("data.h5", b"\x89HDF\r\n\x1a\n"),
+        ("bag.db3", b"SQLite format 3\0"),
+        (
+            "can.asc",
+            b"date Sun Mar 1 12:00:00 pm 2026\nbase hex  timestamps absolute\n",
+        ),
+        ("can.blf", b"LOGG\x90\0\0\0"),
+        ("can.trc", b";$FILEVERSION=2.0\n"),
+        (
+            "gvret.csv",
+            b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n",
+        ),
+    ] {
+        fs::write(folder.path(name), start).unwrap();
+    }
+}
+
+/// Contacts without their times.
+fn untimed(table: &str) -> Vec<String> {
+    let without = |line: &str| {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        fields.remove(1);
+        fields.join(",")
+    };
+    table.lines().map(without).collect()
+}
+
+#[test]
+fn every_row_of_the_table_does_what_it_says() {
+    let folder = Folder::new("recordings");
+    write_all(&folder);
+    let of = |command: &str| {
+        let words = command.split_whitespace().skip(1);
+        let args: Vec<String> = words
+            .map(|word| match folder.path(word) {
+                path if path.is_file() => path.display().to_string(),
+                _ => word.to_owned(),
+            })
+            .collect();
+        hil(&args.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let own = of("hil contacts own.csv --layout uskin-4x4 --rate 100");
+    assert_eq!(own.status, Some(0), "{}", own.err);
+    let expected = untimed(&own.out);
+    assert!(expected.len() > 30, "a finger wanders over the pad");
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/recordings.md");
+    let page = fs::read_to_string(page).unwrap();
+    let mut rows = 0;
+    for line in page.lines().filter(|line| line.contains("| `hil ")) {
+        let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [_, _, command, result] = cells[..] else {
+            panic!("four cells: {line}");
+        };
+        let said = of(command.trim_matches('`'));
+        let texts: Vec<&str> = result.split('`').skip(1).step_by(2).collect();
+        match result.split_once(' ').map_or(result, |(first, _)| first) {
+            "contacts;" | "contacts" => {
+                assert_eq!(said.status, Some(0), "{command}: {}", said.err);
+                assert_eq!(untimed(&said.out), expected, "{command}");
+            }
+            "run;" => assert_eq!(said.status, Some(0), "{command}: {}", said.err),
+            _ => assert_eq!(said.status, Some(2), "{command}: {}", said.err),
+        }
+        // Names stand between backquotes in a message, and between quotes in a cell.
+        let err = said.err.replace('`', "\"");
+        for text in texts {
+            assert!(err.contains(text), "{command}: `{text}` in {}", said.err);
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 24, "the rows of the table");
+}
