@@ -5,6 +5,7 @@ use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use palpate_core::physics::AIR_POWER;
 use palpate_files::{FileKind, LayoutFile, load_layout, load_wire, resolve};
 use palpate_run::Failure;
 
@@ -385,6 +386,8 @@ fn wire(args: &NewWire) -> Result<String, Failure> {
             "--resistance-ohm: expected at least {scaled:.3} Ohm, which such a wire has without crimps, found {resistance}"
         )));
     }
+    // Still air takes more heat per area from a thinner wire.
+    let air = base.thermal.air_w_m2k * (diameter / base.diameter_um).powf(AIR_POWER);
     let what = format!("NiTi, {diameter} um thick, {length} mm between its crimps");
     let heading = heading(&args.file, "docs/files/bench.md", &what)?;
     // Every value of a wire is stated: the built-in one's, but for its size and resistance.
@@ -401,6 +404,7 @@ fn wire(args: &NewWire) -> Result<String, Failure> {
             "wire_share = {} # what of it is wire, computed",
             float(share)
         )),
+        "air_w_m2k" => Some(format!("air_w_m2k = {} # still air", float(air.ceil()))),
         _ if line.starts_with('#') => None,
         _ => Some(line.to_owned()),
     };
