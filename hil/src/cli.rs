@@ -24,7 +24,8 @@ pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
-    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire, Shelf,
+    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire,
+    SagState, Shelf,
 };
 pub use hardware::{
     DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, PulseArgs, RecordArgs, ReplayArgs,

@@ -19,7 +19,7 @@ fn merged_modules_drive_one_display_by_their_places() {
     let source = Source::new("scene.toml", scene);
     let value = Scene::read(&source).unwrap();
     let scene = Loaded { value, source };
-    let bench = "name = \"two\"\ndescription = \"Two.\"\nwire.kind = \"loose-8mm\"\ndrive.current_ma = 1970.0\n\
+    let bench = "name = \"two\"\ndescription = \"Two.\"\nwire.kind = \"final-75um\"\ndrive.current_ma = 1970.0\n\
         displays = [{ name = \"a\", person = \"dull\" }, { name = \"b\" }]\n";
     let source = Source::new("bench.toml", bench);
     let value = Bench::read(&source).unwrap();

@@ -11,7 +11,7 @@ fn wire(diameter_um: f64, length_mm: f64, sag_um: f64) -> WireParameters {
             sag_m: sag_um * 1e-6,
             ..Mount::DEFAULT
         },
-        ..WireParameters::FINAL.loose()
+        ..WireParameters::FINAL
     }
 }
 

@@ -106,7 +106,7 @@ impl Law {
     /// Makes the law of a wire on a finger; it rests, and its sag was measured, at `start_c` degrees C.
     ///
     /// # Errors
-    /// A parameter that cannot be computed with; `history` for a wire without one.
+    /// A parameter that cannot be computed with.
     pub fn new(
         wire: &WireParameters,
         tissue: &TissueParameters,
@@ -119,7 +119,7 @@ impl Law {
     /// Makes the law of a wire in a bow of any curve.
     ///
     /// # Errors
-    /// A parameter that cannot be computed with; `history` for a wire without one.
+    /// A parameter that cannot be computed with.
     pub fn in_bow(
         wire: &WireParameters,
         curve: Curve,
@@ -136,7 +136,6 @@ impl Law {
     ) -> Result<Self, ParameterError> {
         wire.check()?;
         finite("start_c", start_c)?;
-        let history = wire.history.ok_or(ParameterError { name: "history" })?;
         let free = wire.alloy.under(0.0);
         let shares = shares(&free, wire.reversible, count);
         let m = &wire.mechanics;
@@ -162,10 +161,10 @@ impl Law {
             modulus_pa: m.modulus_martensite_pa,
             rest_strain: 0.0,
             curve,
-            history,
+            history: wire.history,
             start_c,
         };
-        if let Some(play) = &wire.beside[0] {
+        if let Some(play) = &wire.r_phase {
             let bands = play.bands.under(0.0);
             law.r = Band {
                 hot: bands.austenite_finish_c,
@@ -177,7 +176,7 @@ impl Law {
             law.strain_r = play.strain;
             law.latent_r = wire.mass() * play.latent_heat;
         }
-        check("beside.strain", law.takes_heat(wire.heat_capacity()))?;
+        check("r_phase.strain", law.takes_heat(wire.heat_capacity()))?;
         law.rest_strain = Phases::of_sag(&law).strain();
         Ok(law)
     }

@@ -11,7 +11,7 @@ mod history;
 mod law;
 mod peltier;
 mod phases;
-mod play;
+mod r_phase;
 
 pub use bow::{Bow, DEEPEST, Ends, Mount};
 pub use curve::{BEND_M, Curve, Piece, TIGHTEST};
@@ -19,7 +19,7 @@ pub use history::{History, WireState};
 pub use law::{Law, SHARES};
 pub use peltier::{PeltierParameters, Thermistor};
 pub use phases::{Line, Phases};
-pub use play::{MOST_BESIDE, Play};
+pub use r_phase::RPhase;
 
 /// Zero of the Celsius scale, in kelvin.
 pub const ZERO_CELSIUS_K: f64 = 273.15;
@@ -38,8 +38,8 @@ pub const DEPTH_DEEP_M: f64 = 0.4e-3;
 /// Duty of the thesis's full drive: 100 of 4096 ticks (2.44 %).
 pub(crate) const FULL_DRIVE_DUTY: f64 = 100.0 / 4096.0;
 
-/// Transformation temperatures of an alloy, or of one [`Play`], at [`Alloy::reference_stress_pa`]; in a play of the R
-/// phase that stands for martensite.
+/// Transformation temperatures of an alloy, or of its R phase, at [`Alloy::reference_stress_pa`]. In an [`RPhase`] the R
+/// phase stands where the martensite stands here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alloy {
     /// Heating: austenite begins to form, degrees C.
@@ -57,38 +57,29 @@ pub struct Alloy {
 }
 
 impl Alloy {
-    /// The vendor's low-temperature wire: 68/78/52/42 C \[V\].
-    pub const LOW: Self = Self {
-        austenite_start_c: 68.0,
-        austenite_finish_c: 78.0,
-        martensite_start_c: 52.0,
-        martensite_finish_c: 42.0,
-        stress_per_kelvin: 7e6,
-        reference_stress_pa: 172e6,
-    };
-    /// The vendor's high-temperature wire: 88/98/72/62 C \[V\].
-    pub const HIGH: Self = Self {
-        austenite_start_c: 88.0,
-        austenite_finish_c: 98.0,
-        martensite_start_c: 72.0,
-        martensite_finish_c: 62.0,
-        ..Self::LOW
-    };
-}
+    /// The vendor's low-temperature wire without stress: 68/78/52/42 C at 172 MPa \[V\], 7 MPa/K.
+    pub const LOW: Self = Self::unloaded([68.0, 78.0, 52.0, 42.0]);
+    /// The vendor's high-temperature wire without stress: 88/98/72/62 C at 172 MPa \[V\], 7 MPa/K.
+    pub const HIGH: Self = Self::unloaded([88.0, 98.0, 72.0, 62.0]);
 
-/// How the martensite fraction follows temperature.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hysteresis {
-    /// Generalised play: xi = min(max(xi, xi_c(T)), xi_h(T)), both branches straight. The default.
-    Play,
-    /// A weighted sum of equal plays whose branches are drawn apart: closed minor loops.
-    Plays {
-        /// Number of plays, 1 to 16.
-        count: u8,
-        /// Hysteresis of the narrowest play relative to the alloy's own, in (0, 1]; the others lie
-        /// evenly between it and 1. Small values make minor loops out of small ripple.
-        narrowest: f64,
-    },
+    /// Makes an alloy without stress of its temperatures at the vendor's.
+    const fn unloaded(at_vendors: [f64; 4]) -> Self {
+        let [
+            austenite_start_c,
+            austenite_finish_c,
+            martensite_start_c,
+            martensite_finish_c,
+        ] = at_vendors;
+        let shift = 172.0 / 7.0;
+        Self {
+            austenite_start_c: austenite_start_c - shift,
+            austenite_finish_c: austenite_finish_c - shift,
+            martensite_start_c: martensite_start_c - shift,
+            martensite_finish_c: martensite_finish_c - shift,
+            stress_per_kelvin: 7e6,
+            reference_stress_pa: 0.0,
+        }
+    }
 }
 
 /// Mechanics of the alloy, for strain.
@@ -98,7 +89,7 @@ pub struct Mechanics {
     pub modulus_austenite_pa: f64,
     /// Young's modulus of martensite, Pa \[V\].
     pub modulus_martensite_pa: f64,
-    /// Transformation strain eps_L, 1 \[V\] (4 to 5 %; the thesis: about 5 %).
+    /// Two-way strain of martensite against austenite, 1 \[A\]; under the vendor's tension 4 to 5 % \[V\].
     pub transformation_strain: f64,
     /// Thermal expansion of austenite, 1/K \[V\].
     pub expansion_austenite: f64,
@@ -113,7 +104,7 @@ impl Mechanics {
     pub const DEFAULT: Self = Self {
         modulus_austenite_pa: 75e9,
         modulus_martensite_pa: 28e9,
-        transformation_strain: 0.045,
+        transformation_strain: 0.002,
         expansion_austenite: 11e-6,
         expansion_martensite: 6.6e-6,
         rest_c: 33.0,
@@ -155,27 +146,25 @@ pub struct WireParameters {
     pub mount_w_per_k: f64,
     /// Temperature of ends and mount, degrees C.
     pub ends_c: f64,
-    /// Constant bias stress, Pa \[A\]; shifts the transformation temperatures.
+    /// Stress of the bow at the sag that was measured, Pa \[A\]; stress shifts the transformation temperatures.
     pub bias_stress_pa: f64,
     /// Transformation temperatures.
     pub alloy: Alloy,
-    /// Law of the martensite.
-    pub hysteresis: Hysteresis,
     /// Share of the martensite that transforms without hysteresis, about the alloy's middle, 1 \[A\]; 0 by default.
     pub reversible: f64,
-    /// What transforms beside the martensite.
-    pub beside: [Option<Play>; MOST_BESIDE],
+    /// R phase; `None`: austenite cools to martensite alone.
+    pub r_phase: Option<RPhase>,
     /// Strain.
     pub mechanics: Mechanics,
     /// How it sits on the finger.
     pub mount: Mount,
-    /// What it went through, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
-    /// parallel at a constant stress ([`Self::plays`]).
-    pub history: Option<History>,
+    /// Heat and cold that it went through.
+    pub history: History,
 }
 
 impl WireParameters {
-    /// Final module: 75 um x 5 mm, 1.9 Ohm, low-temperature alloy, 60.2 % of the heat in the wire.
+    /// Final module: 75 um x 5 mm, 1.9 Ohm, low-temperature alloy, 60.2 % of the heat in the wire. Cold at 10 MPa, with an
+    /// R phase and a two-way strain of 0.2 % \[A\], which fit what is published of its stroke (`docs/felt.md`).
     pub const FINAL: Self = Self {
         diameter_m: 75e-6,
         length_m: 5e-3,
@@ -191,14 +180,13 @@ impl WireParameters {
         air_h: 172.0,
         mount_w_per_k: 0.0,
         ends_c: 33.0,
-        bias_stress_pa: 172e6,
+        bias_stress_pa: 10e6,
         alloy: Alloy::LOW,
-        hysteresis: Hysteresis::Play,
         reversible: 0.0,
-        beside: [None; MOST_BESIDE],
+        r_phase: Some(RPhase::LOW),
         mechanics: Mechanics::DEFAULT,
         mount: Mount::DEFAULT,
-        history: None,
+        history: History::COLD,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
@@ -209,34 +197,19 @@ impl WireParameters {
         ..Self::FINAL
     };
 
-    /// The same wire as it lies on a finger without tension: 10 MPa, a two-way strain of 1 %, an R phase, and a small
-    /// part without hysteresis, all of them \[A\].
-    #[must_use]
-    pub const fn loose(self) -> Self {
-        Self {
-            bias_stress_pa: 10e6,
-            reversible: 0.02,
-            beside: [Some(Play::R_PHASE), None, None, None],
-            mechanics: Mechanics {
-                transformation_strain: 0.01,
-                ..self.mechanics
-            },
-            ..self
-        }
-    }
-
-    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a history.
+    /// Puts the wire under the tension at which its vendor states its temperatures, 172 MPa, with the two-way strain of
+    /// 4.5 % that it has there \[V\]; cold, and without an R phase.
     #[must_use]
     pub const fn taut(self) -> Self {
         Self {
-            bias_stress_pa: Self::FINAL.bias_stress_pa,
-            reversible: Self::FINAL.reversible,
-            beside: Self::FINAL.beside,
+            bias_stress_pa: 172e6,
+            reversible: 0.0,
+            r_phase: None,
             mechanics: Mechanics {
-                transformation_strain: Mechanics::DEFAULT.transformation_strain,
+                transformation_strain: 0.045,
                 ..self.mechanics
             },
-            history: None,
+            history: History::COLD,
             ..self
         }
     }
@@ -308,8 +281,7 @@ impl WireParameters {
         finite("mechanics.expansion_martensite", m.expansion_martensite)?;
         finite("mechanics.rest_c", m.rest_c)?;
         self.mount.check(self.length_m)?;
-        self.check_history()?;
-        self.plays().map(drop)
+        self.check_phases()
     }
 }
 

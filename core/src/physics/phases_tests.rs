@@ -1,16 +1,12 @@
 //! The law against published values, and what holds for every history.
 
 use super::super::{
-    Alloy, Bow, Curve, History, Mount, Play, SHARES, TissueParameters, WireParameters,
+    Alloy, Bow, Curve, History, Mechanics, Mount, RPhase, SHARES, TissueParameters, WireParameters,
 };
 use super::*;
 use proptest::prelude::*;
 
-const COLD: History = History {
-    state: WireState::Cold,
-    sag_state: WireState::Cold,
-    coldest_c: None,
-};
+const COLD: History = History::COLD;
 const PASSED: History = History {
     state: WireState::Passed,
     sag_state: WireState::Passed,
@@ -24,8 +20,13 @@ fn wire(history: History, sag_um: f64) -> WireParameters {
             sag_m: sag_um * 1e-6,
             ..Mount::DEFAULT
         },
-        history: Some(history),
-        ..WireParameters::FINAL.loose()
+        history,
+        reversible: 0.02,
+        mechanics: Mechanics {
+            transformation_strain: 0.01,
+            ..Mechanics::DEFAULT
+        },
+        ..WireParameters::FINAL
     }
 }
 
@@ -165,7 +166,7 @@ fn a_rest_that_cannot_be_is_refused_by_name() {
         };
         wire.mechanics.transformation_strain = strain_m;
         if strain_m > 0.01 {
-            wire.beside = [None; 4];
+            wire.r_phase = None;
         }
         let law = Law::new(&wire, &TissueParameters::DEFAULT, 33.0);
         let rest = law.and_then(|law| {
@@ -198,14 +199,14 @@ prop_compose! {
         wire.diameter_m = thick * 1e-6;
         wire.mechanics.transformation_strain = strain_m;
         if strain_m > 0.01 {
-            wire.beside = [None; 4];
+            wire.r_phase = None;
         }
         wire.bias_stress_pa = stress;
         wire.reversible = reversible;
         wire.alloy = Alloy { stress_per_kelvin: slope_m, ..wire.alloy.under(0.0) };
-        let bands = Alloy { stress_per_kelvin: slope_r, ..Play::R_PHASE.bands };
-        let play = Play { bands, strain: strain_m * part, ..Play::R_PHASE };
-        wire.beside = [r.then_some(play), None, None, None];
+        let bands = Alloy { stress_per_kelvin: slope_r, ..RPhase::LOW.bands };
+        let play = RPhase { bands, strain: strain_m * part, ..RPhase::LOW };
+        wire.r_phase = r.then_some(play);
         wire
     }
 }
@@ -220,7 +221,7 @@ proptest! {
         // Only strains that would make the temperature jump are refused.
         let law = match Law::new(&wire, &TissueParameters::DEFAULT, 33.0) {
             Err(e) => {
-                prop_assert_eq!(e.name, "beside.strain");
+                prop_assert_eq!(e.name, "r_phase.strain");
                 return Ok(());
             }
             Ok(law) => law,

@@ -16,17 +16,16 @@ use crate::units::{Duration, Milliamps, Point, Prescale};
 use super::texture::TexturePlan;
 use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
 
-/// The bench that `hil run` emulates by default, `fixtures/benches/emulated.toml`: loose wires of 8 mm at the published
-/// current. Three pulses at this PRE_SCALE are a vibration, and carry what a contact that moves on needs.
-const LOOSE_8MM: Plant = Plant {
+/// The bench that `hil run` emulates by default, `fixtures/benches/emulated.toml`: thin wires of 8 mm at 1.2 A. Three pulses at this PRE_SCALE are a vibration, and carry what a contact that moves on needs.
+const THIN_8MM: Plant = Plant {
     prescale: Prescale::new(92),
-    wire_milliohm: 2586,
-    peak: Milliamps(1970),
+    wire_milliohm: 4871,
+    peak: Milliamps(1200),
     bus: Duration::ZERO,
 };
 /// Its wires on a finger of 33 C, for the guard's rows of heat.
-const WORN_8MM: WornWire = WornWire {
-    diameter_nm: 75_000,
+const WORN_THIN: WornWire = WornWire {
+    diameter_nm: 50_000,
     length_um: 8_000,
     rest_mc: 33_000,
 };
@@ -68,8 +67,8 @@ impl From<Display> for OutputBuilder {
 }
 
 impl Output {
-    /// An output half on a display. Defaults are those of `hil run`: the renderer chooses pulses every 117 ms, for loose
-    /// wires of 8 mm at 1.97 A.
+    /// An output half on a display. Defaults are those of `hil run`: the renderer chooses pulses every 117 ms, for thin
+    /// wires of 8 mm at 1.2 A.
     pub fn builder(display: Display) -> OutputBuilder {
         display.into()
     }
@@ -77,13 +76,13 @@ impl Output {
 
 impl OutputBuilder {
     /// The hardware behind the outputs: the guard counts heat with it, and its PRE_SCALE spaces the pulses. Unless stated
-    /// these are wires of 2.586 Ohm at 1.97 A, and PRE_SCALE 92.
+    /// these are wires of 4.871 Ohm at 1.2 A, and PRE_SCALE 92.
     pub const fn plant(mut self, plant: Plant) -> Self {
         self.plant = Some(plant);
         self
     }
 
-    /// Wire and finger, for the guard's rows of heat. Unless stated these are wires of 75 um and 8 mm on a finger of 33 C, or
+    /// Wire and finger, for the guard's rows of heat. Unless stated these are wires of 50 um and 8 mm on a finger of 33 C, or
     /// for a stated plant wires of 5 mm, which warm the finger more.
     pub const fn worn(mut self, worn: WornWire) -> Self {
         self.worn = Some(worn);
@@ -97,7 +96,7 @@ impl OutputBuilder {
     }
 
     /// Amplitudes by width in ticks of the plant's PRE_SCALE, by which the renderer finds widths. Unless stated these are
-    /// [`Response::loose_8mm`], or for a stated plant [`Response::linear`].
+    /// [`Response::thin_8mm`], or for a stated plant [`Response::linear`].
     pub fn response(mut self, response: Response) -> Self {
         self.response = Some(response);
         self
@@ -153,10 +152,10 @@ impl OutputBuilder {
 
     fn parts(self) -> Result<(Display, OutputSettings, Guard), PlanError> {
         let display = self.display;
-        let plant = self.plant.unwrap_or(LOOSE_8MM);
+        let plant = self.plant.unwrap_or(THIN_8MM);
         let worn = self.worn.unwrap_or(match self.plant {
             Some(_) => WornWire::default(),
-            None => WORN_8MM,
+            None => WORN_THIN,
         });
         let guard = Guard::new(self.limits, plant, display.wires(), worn)?;
         let even = || Calibration::even(display.wires().len());
@@ -168,7 +167,7 @@ impl OutputBuilder {
                 let response = match (self.response, self.plant) {
                     (Some(response), _) => response,
                     (None, Some(_)) => Response::linear(guard.widest()),
-                    (None, None) => Response::loose_8mm(guard.widest()),
+                    (None, None) => Response::thin_8mm(guard.widest()),
                 };
                 let settings = ModelSettings::default();
                 let render = RenderSettings {

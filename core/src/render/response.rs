@@ -10,9 +10,9 @@ const HEADROOM: f32 = 1.12;
 /// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
 /// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 29 ticks.
 ///
-/// The emulators computed it for wires `loose-8mm` at 1.97 A, as they do for each run (`hil/run/src/plan/response.rs`). A
+/// The emulators computed it for wires `passed-50um` at 1.2 A, as they do for each run (`hil/run/src/plan/response.rs`). A
 /// test of `palpate-tests` computes it anew and compares to the bit.
-const LOOSE_8MM: [(u16, f32); 9] = [
+const THIN_8MM: [(u16, f32); 9] = [
     (0, 0.0),
     (5, 0.009_411_921),
     (9, 0.033_772_98),
@@ -58,10 +58,10 @@ impl Response {
         Self::new(amplitudes.chain(last).collect())
     }
 
-    /// The response of a loose wire of 8 mm at 1.97 A to three pulses every 117 ms, in ticks of PRE_SCALE 92: `hil run`
+    /// The response of a thin wire of 8 mm at 1.2 A to three pulses every 117 ms, in ticks of PRE_SCALE 92: `hil run`
     /// emulates such wires by default.
-    pub fn loose_8mm(widest: Ticks) -> Self {
-        let whole = Self::between(&LOOSE_8MM).amplitudes;
+    pub fn thin_8mm(widest: Ticks) -> Self {
+        let whole = Self::between(&THIN_8MM).amplitudes;
         let widths = usize::from(widest.get()) + 1;
         Self::new(whole.iter().take(widths).copied().collect())
     }

@@ -172,6 +172,7 @@ fn the_other_kinds_say_everything_too() {
                 "f.toml:3: diameter_um",
                 "f.toml:5: electrical",
                 "f.toml:1: mechanical",
+                "f.toml:1: sag_state",
                 "f.toml:1: thermal",
             ],
         ),

@@ -13,7 +13,7 @@ description = "Hardware"
 kind = "real"
 display = "three-in-line"
 limits = "default"
-wire = { kind = "loose-8mm", alloy = "low" }
+wire = { kind = "final-75um", alloy = "low" }
 
 [real]
 can = ["can0"]

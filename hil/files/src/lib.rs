@@ -22,7 +22,6 @@ mod felt;
 mod finger;
 mod format;
 mod gain;
-mod guarded;
 mod hardware;
 mod illusion;
 mod joint;
@@ -44,7 +43,6 @@ mod pace;
 mod person;
 mod placeholder;
 mod plain;
-mod play;
 mod protocol;
 mod quarantine;
 mod reading;
@@ -108,7 +106,7 @@ pub use own_bench::DEFAULT_BENCH;
 pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
-pub use play::PlayEntry;
+
 pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
     Protocol, Question, RatingScale, RatingTask, SimulatedChoices, SimulatedDifferences,
@@ -136,5 +134,7 @@ pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times}
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
 pub use warmth::{SKIN_C, SceneMaterial, warmth_c};
-pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile, WireState};
+pub use wire::{
+    AlloyFile, Electrical, Mechanical, RPhaseEntry, ThermalValues, WireFile, WireState,
+};
 pub use words::{axes_named, norm, scope};

@@ -1,8 +1,10 @@
 //! Settings files of earlier versions: keys that went are commented out, and everything else stays as it was written.
 
 use super::check::kind_of;
+use super::error::FileError;
 use super::resolve::FileKind;
 use super::source::Source;
+use super::wire::WireState;
 
 /// A key that is no longer one.
 struct Gone {
@@ -23,8 +25,8 @@ const GONE: [Gone; 2] = [
     Gone {
         kind: FileKind::Wire,
         key: "hysteresis",
-        values: &["cosine"],
-        why: "the law `cosine` went; a wire without the key follows generalised play",
+        values: &[],
+        why: "the laws `cosine` and `plays` went; every wire follows generalised play",
     },
 ];
 
@@ -37,10 +39,18 @@ pub struct Migrated {
     pub changes: Vec<String>,
 }
 
-/// What a file of an earlier version becomes; none where nothing of it went.
-#[must_use]
-pub fn migrated(source: &Source) -> Option<Migrated> {
-    let kind = kind_of(source).ok()?;
+/// Makes of a file of an earlier version one of this version; `None` where nothing of it changed. `sag_state` goes into a
+/// wire that has none.
+///
+/// # Errors
+/// A wire without `sag_state` where none is given, or with more transformations than the model has now.
+pub fn migrated(
+    source: &Source,
+    sag_state: Option<WireState>,
+) -> Result<Option<Migrated>, FileError> {
+    let Ok(kind) = kind_of(source) else {
+        return Ok(None);
+    };
     let mut found = Migrated {
         text: source.text().to_owned(),
         changes: Vec::new(),
@@ -59,7 +69,60 @@ pub fn migrated(source: &Source) -> Option<Migrated> {
             source.label()
         ));
     }
-    (!found.changes.is_empty()).then_some(found)
+    if kind == FileKind::Wire {
+        r_phase(source, &mut found)?;
+        state_of_sag(source, sag_state, &mut found)?;
+    }
+    Ok((!found.changes.is_empty()).then_some(found))
+}
+
+/// Makes the R phase of a wire's only play.
+fn r_phase(source: &Source, found: &mut Migrated) -> Result<(), FileError> {
+    if !source.states("plays") {
+        return Ok(());
+    }
+    let headers = found.text.matches("[[plays]]").count();
+    if headers != 1 {
+        let expected = "one [[plays]], the R phase: no other transforms beside the martensite now";
+        return Err(source.bad_found("plays", expected, format!("{headers} of them")));
+    }
+    let line = source.line_of("plays");
+    found.text = found.text.replace("[[plays]]", "[r_phase]");
+    found.changes.push(format!(
+        "{}:{line}: `plays` is `r_phase`: phases exclude one another",
+        source.label()
+    ));
+    Ok(())
+}
+
+/// Writes the state in which the sag was measured before the first table.
+fn state_of_sag(
+    source: &Source,
+    state: Option<WireState>,
+    found: &mut Migrated,
+) -> Result<(), FileError> {
+    if source.states("sag_state") {
+        return Ok(());
+    }
+    let Some(state) = state else {
+        let expected = "--sag-state cold or passed: in which of them the bench's sag was measured, no file of an earlier version says";
+        return Err(source.bad_found("sag_state", expected, "neither"));
+    };
+    let mut before = 0;
+    for line in found.text.split_inclusive('\n') {
+        if line.trim_start().starts_with('[') {
+            break;
+        }
+        before += line.len();
+    }
+    let row = format!("sag_state = \"{}\"\n\n", state.word());
+    found.text.insert_str(before, &row);
+    found.changes.push(format!(
+        "{}: `sag_state` is {}, in which the bench's sag was measured; the wire begins `cold`",
+        source.label(),
+        state.word()
+    ));
+    Ok(())
 }
 
 /// The text without a key, and its line: as a comment where it has lines of its own, cut out of an inline table.

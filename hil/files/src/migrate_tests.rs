@@ -7,7 +7,7 @@ const HEADING: &str = "name = \"mine\"\ndescription = \"d\" # a remark\n";
 
 fn texts(body: &str) -> (String, usize) {
     let source = Source::new("f.toml", format!("{HEADING}{body}"));
-    let found = migrated(&source).unwrap();
+    let found = migrated(&source, None).unwrap().unwrap();
     let checked = check_source(Source::new("f.toml", &*found.text));
     assert_eq!(checked.errors, [], "{}", found.text);
     assert!(found.text.starts_with(HEADING), "{}", found.text);
@@ -34,17 +34,46 @@ fn a_key_that_went_becomes_a_comment_wherever_it_stands() {
     );
 }
 
-#[test]
-fn a_wire_of_the_cosine_follows_play() {
+/// A wire as an earlier version wrote it.
+fn old() -> String {
     let wire = palpate_fixtures::wire("final-75um").unwrap();
-    for law in [
-        "hysteresis = { law = \"cosine\", pieces = 8 }\n",
-        "hysteresis.law = \"cosine\"\nhysteresis.pieces = 8\n",
+    let kept = wire.lines().filter(|line| !line.contains("state = "));
+    let kept: Vec<&str> = kept.collect();
+    kept.join("\n").replace("[r_phase]", "[[plays]]") + "\n"
+}
+
+#[test]
+fn a_wire_of_an_earlier_version_says_its_state_and_its_r_phase() {
+    for (law, changes) in [
+        ("", 2),
+        ("hysteresis = { law = \"cosine\", pieces = 8 }\n", 3),
+        ("hysteresis.law = \"plays\"\nhysteresis.count = 8\n", 3),
     ] {
-        let source = Source::new("w.toml", format!("{law}{wire}"));
-        let found = migrated(&source).unwrap();
-        let checked = check_source(Source::new("w.toml", found.text));
-        assert_eq!((checked.errors, found.changes.len()), (vec![], 1));
+        for state in [WireState::Cold, WireState::Passed] {
+            let source = Source::new("w.toml", format!("{law}{}", old()));
+            assert!(!check_source(source.clone()).errors.is_empty());
+            let found = migrated(&source, Some(state)).unwrap().unwrap();
+            assert_eq!(found.changes.len(), changes, "{:?}", found.changes);
+            let now = Source::new("w.toml", found.text);
+            assert_eq!(check_source(now.clone()).errors, []);
+            let wire = crate::WireFile::read(&now).unwrap();
+            assert_eq!((wire.sag_state, wire.state), (state, WireState::Cold));
+            assert!(wire.r_phase.is_some());
+            assert_eq!(migrated(&now, None), Ok(None));
+        }
     }
-    assert_eq!(migrated(&Source::new("w.toml", wire)), None);
+}
+
+#[test]
+fn a_wire_of_an_earlier_version_is_not_guessed_at() {
+    let said = |text: String| {
+        let source = Source::new("w.toml", text);
+        migrated(&source, None).unwrap_err().to_string()
+    };
+    assert_eq!(
+        said(old()),
+        "w.toml:1: sag_state: expected --sag-state cold or passed: in which of them the bench's sag was measured, no file of an earlier version says, found neither"
+    );
+    let two = old().replace("[[plays]]", "[[plays]]\nstrain = 0.001\n[[plays]]");
+    assert!(said(two).contains("plays: expected one [[plays]], the R phase"));
 }

@@ -191,7 +191,6 @@ pub(super) fn mounted_of(
     bench: &Loaded<Bench>,
 ) -> Result<(Loaded<WireFile>, Loaded<AlloyFile>), FileError> {
     let (alloy, wire) = (alloy_of(bench)?, wire_of(bench)?);
-    wire.value.fits(&wire.source, &alloy.value)?;
     let mount = &bench.value.mount;
     mount.fits(&bench.source, wire.value.length_mm)?;
     let worn = WireParameters {

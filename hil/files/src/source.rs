@@ -302,7 +302,7 @@ impl Source {
     }
 
     /// The line of `key`, or of the nearest table around it that is there.
-    fn line_of(&self, key: &str) -> usize {
+    pub(super) fn line_of(&self, key: &str) -> usize {
         self.spans(key)
             .map_or(1, |(span, _)| self.line_at(span.start))
     }

@@ -1,17 +1,18 @@
 //! Wires and alloys: what a shape-memory wire is made of. The built-in files carry the program's own constants.
 
+mod guarded;
 mod history;
+mod r_phase;
 
-use palpate_core::physics::{self, Alloy, History, Hysteresis, Mechanics, WireParameters};
+use palpate_core::physics::{self, Alloy, History, Mechanics, WireParameters};
 use serde::Deserialize;
 
 use super::error::FileError;
-use super::guarded;
-use super::play::{PlayEntry, check_plays};
 use super::settings::bounds;
 use super::source::Source;
 use super::words::choice;
 pub(super) use history::check_rest;
+pub use r_phase::RPhaseEntry;
 
 /// A wire, its alloy left open.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -30,20 +31,16 @@ pub struct WireFile {
     pub electrical: Electrical,
     /// Where the heat goes.
     pub thermal: ThermalValues,
-    /// How the phase follows the temperature; left out: generalised play.
-    #[serde(default = "play", with = "HysteresisLaw")]
-    pub hysteresis: Hysteresis,
     /// Share of the martensite that transforms without hysteresis, about the alloy's middle; left out: none.
     #[serde(default)]
     pub reversible: f64,
-    /// What transforms beside the martensite, such as an R phase; left out: nothing.
-    #[serde(default)]
-    pub plays: Vec<PlayEntry>,
-    /// State in which the bench's sag was measured. With it phases exclude one another and the bow saturates; left out: an
-    /// older model, in which they do not.
-    pub sag_state: Option<WireState>,
+    /// R phase; left out: austenite cools to martensite alone.
+    pub r_phase: Option<RPhaseEntry>,
+    /// State in which the bench's sag was measured.
+    pub sag_state: WireState,
     /// State in which the wire begins; left out: `cold`.
-    pub state: Option<WireState>,
+    #[serde(default = "cold")]
+    pub state: WireState,
     /// Coldest that a wire has been since it was passed, degrees C; left out: no colder than at rest.
     pub coldest_c: Option<f64>,
     /// Strain.
@@ -103,6 +100,12 @@ pub struct Mechanical {
     pub expansion_martensite_per_k: f64,
 }
 
+/// Strain that bends a straight wire as deep as a bow may be: sag (2/pi) L sqrt(strain).
+const MOST_STRAIN: f64 = {
+    let slope = physics::DEEPEST * core::f64::consts::FRAC_PI_2;
+    slope * slope
+};
+
 choice! {
     /// A state that a wire is brought into by temperature alone.
     WireState {
@@ -114,6 +117,15 @@ choice! {
 }
 
 impl WireState {
+    /// The state as a file writes it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Cold => "cold",
+            Self::Passed => "passed",
+        }
+    }
+
     const fn physical(self) -> physics::WireState {
         match self {
             Self::Cold => physics::WireState::Cold,
@@ -122,29 +134,8 @@ impl WireState {
     }
 }
 
-const fn play() -> Hysteresis {
-    Hysteresis::Play
-}
-
-/// How a file writes a law of hysteresis.
-#[derive(Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
-#[serde(
-    remote = "Hysteresis",
-    tag = "law",
-    rename_all = "kebab-case",
-    deny_unknown_fields
-)]
-enum HysteresisLaw {
-    /// Generalised play.
-    Play,
-    /// A weighted sum of plays.
-    Plays {
-        /// How many, 1 to 16.
-        count: u8,
-        /// Hysteresis of the narrowest over the alloy's own.
-        narrowest: f64,
-    },
+const fn cold() -> WireState {
+    WireState::Cold
 }
 
 /// Transformation temperatures.
@@ -216,6 +207,7 @@ impl WireFile {
     /// # Errors
     /// Names the line and key of what cannot be.
     pub fn read(source: &Source) -> Result<Self, FileError> {
+        history::check_version(source)?;
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
         guarded::size(&wire, source)?;
@@ -236,36 +228,15 @@ impl WireFile {
             bias_stress_mpa: 0.0..=1000.0, "MPa";
             modulus_austenite_gpa: 1.0..=500.0, "GPa";
             modulus_martensite_gpa: 1.0..=500.0, "GPa";
-            transformation_strain: 0.0..=0.2;
+            transformation_strain: 0.0..=MOST_STRAIN, "of its length: more bends it deeper than a bow may be";
             expansion_austenite_per_k: 0.0..=1e-4, "1/K";
             expansion_martensite_per_k: 0.0..=1e-4, "1/K")?;
-        match wire.hysteresis {
-            Hysteresis::Play => {}
-            Hysteresis::Plays { count, narrowest } => {
-                source.range("hysteresis.count", &count, 1..=16, "")?;
-                source.range("hysteresis.narrowest", &narrowest, 0.01..=1.0, "")?;
-            }
-        }
         bounds!(source, "", wire; reversible: 0.0..=1.0, "of the martensite")?;
-        check_plays(source, &wire.plays, wire.mechanical.transformation_strain)?;
+        if let Some(r) = &wire.r_phase {
+            r.check(source, &wire)?;
+        }
         wire.check_history(source)?;
         Ok(wire)
-    }
-
-    /// Whether its plays can be with an alloy.
-    ///
-    /// # Errors
-    /// Names the key that makes bands cross.
-    pub(super) fn fits(&self, source: &Source, alloy: &AlloyFile) -> Result<(), FileError> {
-        let crossed = |_| {
-            let expected = format!(
-                "wider: with the alloy `{}` the bands of heating and cooling cross",
-                alloy.name
-            );
-            source.bad("hysteresis.narrowest", expected)
-        };
-        let plays = self.parameters(alloy).plays().map(drop);
-        plays.map_err(crossed)
     }
 
     /// The wire of an alloy as the model takes it. Divisions, so that the numbers are those that stand in the
@@ -295,9 +266,8 @@ impl WireFile {
                 stress_per_kelvin: alloy.stress_mpa_k * 1e6,
                 reference_stress_pa: alloy.reference_stress_mpa * 1e6,
             },
-            hysteresis: self.hysteresis,
             reversible: self.reversible,
-            beside: core::array::from_fn(|k| self.plays.get(k).map(PlayEntry::play)),
+            r_phase: self.r_phase.as_ref().map(RPhaseEntry::parameters),
             mechanics: Mechanics {
                 modulus_austenite_pa: m.modulus_austenite_gpa * 1e9,
                 modulus_martensite_pa: m.modulus_martensite_gpa * 1e9,
@@ -306,11 +276,11 @@ impl WireFile {
                 expansion_martensite: m.expansion_martensite_per_k,
                 ..Mechanics::DEFAULT
             },
-            history: self.sag_state.map(|sag_state| History {
-                state: self.state.unwrap_or(WireState::Cold).physical(),
-                sag_state: sag_state.physical(),
+            history: History {
+                state: self.state.physical(),
+                sag_state: self.sag_state.physical(),
                 coldest_c: self.coldest_c,
-            }),
+            },
             ..WireParameters::FINAL
         }
     }

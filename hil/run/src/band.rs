@@ -66,12 +66,7 @@ impl Band {
             .map(|&name| Ok((name, plan::person(&load_person(name)?.value))));
         let persons: Vec<(&str, Person)> = persons.collect::<Result<_, Failure>>()?;
         let (mut corners, mut others) = (Vec::new(), 0);
-        // A wire that says what it went through is loose itself.
-        let loose = match wire.history {
-            None => wire.loose(),
-            Some(_) => wire,
-        };
-        let presets: [(_, WireParameters); 2] = [("taut", wire.taut()), ("loose", loose)];
+        let presets: [(_, WireParameters); 2] = [("taut", wire.taut()), ("loose", wire)];
         for (preset, parameters) in presets {
             let other = (parameters != wire).then_some(others);
             if other.is_some() {

@@ -50,23 +50,29 @@ fn a_corner_is_a_run_of_its_own() {
         "illusion.beta=0.005",
         "bench.mount.preload_mn=100",
         "bench.tissue.modulus_kpa=5",
-        "bench.wire.kind=loose",
+        "bench.wire.kind=final-75um",
     ];
     let headline = setup(&common);
     let band = felt(&headline).band.unwrap();
     assert_eq!(band.corners.len(), 12);
     for corner in &band.corners {
-        let wire = format!("bench.wire.kind={}", corner.preset);
+        let kind = match corner.preset {
+            "taut" => "taut",
+            _ => "final-75um",
+        };
+        let wire = format!("bench.wire.kind={kind}");
         let sag = format!("bench.mount.sag_um={}", sag_um(&headline, corner.gain));
         let person = format!("illusion.person=\"{}\"", corner.person);
         let own = [&common[..5], &[&wire, &sag, &person]].concat();
         let own = felt(&setup(&own));
         let level = own.level_db.unwrap().median;
+        // At so small a current nothing turns, and the bow is nearly straight in strain.
+        assert!((level - corner.level_db).abs() < 0.1, "{corner:?}: {level}");
+        let [own, of_corner] = [own.error_energy_mm, corner.error_energy_mm].map(Option::unwrap);
         assert!(
-            (level - corner.level_db).abs() < 0.02,
-            "{corner:?}: {level}"
+            (own.rmse - of_corner.rmse).abs() < 0.01,
+            "{corner:?}: {own:?}"
         );
-        assert_eq!(own.error_energy_mm, corner.error_energy_mm, "{corner:?}");
         let within = |[low, high]: [f64; 2], value| (low..=high).contains(&value);
         assert!(within(band.level_db, corner.level_db));
         assert!(within(

@@ -51,8 +51,8 @@ pub struct DesignOutcome {
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
     pub skin_c: [f64; 2],
-    /// Reason why it is no design: the first row of the limit table that forbids it, or `bow` where the wire shortens by
-    /// more than its bow's model knows.
+    /// Reason why it is no design: the first row of the limit table that forbids it, or `bow` where the wire pulls its bow
+    /// straighter than the model knows.
     pub excluded: Option<&'static str>,
 }
 
@@ -114,18 +114,17 @@ pub fn outcome(
     }
     let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)])?;
     let mut worn = Wire::new(wire, tissue, tissue.body_c)?.worn(tissue)?;
-    let (mut end, _) = drive(
+    let mut end = drive(
         &mut worn,
         pattern,
         width_s,
         seconds - LISTENING_S,
         Nanos::ZERO,
     );
-    let mut change = 0.0;
     worn.keep_stretches();
     for _ in 0..2 {
         perceiver.onset();
-        (end, change) = drive(&mut worn, pattern, width_s, LISTENING_S / 2.0, end);
+        end = drive(&mut worn, pattern, width_s, LISTENING_S / 2.0, end);
         worn.take_stretches(end, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
     }
@@ -136,7 +135,7 @@ pub fn outcome(
     }
     let (wire_there, tissue_there) = worst(wire, tissue);
     let mut hottest = Wire::new(&wire_there, &tissue_there, tissue.body_c)?;
-    let (end, _) = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
+    let end = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
     outcome.wire_c = peaks.wire_c;
     outcome.skin_c = [peaks.shallow_c, hottest.peaks(end).shallow_c];
     let rows = [
@@ -144,44 +143,34 @@ pub fn outcome(
             "skin-peak",
             outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64,
         ),
-        (
-            "bow",
-            match wire.history {
-                None => change * wire.length_m > slack_m(wire),
-                Some(_) => tight,
-            },
-        ),
+        ("bow", tight),
         ("size", WornWire::new(wire, tissue).check().is_err()),
     ];
     outcome.excluded = outcome.excluded.or_else(|| first(&rows));
     Ok(outcome)
 }
 
-/// Drives bursts from `from` on, for `seconds` or one burst more. Returns the end, and the change of strain meanwhile.
+/// Drives bursts from `from` on, for `seconds` or one burst more. Returns the end.
 fn drive(
     wire: &mut Wire,
     pattern: &PulsePattern,
     width_s: f64,
     seconds: f64,
     from: Nanos,
-) -> (Nanos, f64) {
+) -> Nanos {
     let nanos = |s: f64| libm::round(s * 1e9) as u64;
     let (width, cadence) = (nanos(width_s).max(1), nanos(pattern.cadence_s));
     let bursts = libm::ceil(seconds / pattern.cadence_s) as u64;
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for burst in 0..bursts {
         for pulse in 0..u64::from(pattern.pulses) {
             let at = from.0 + burst * cadence + pulse * PERIOD_NS;
-            for (at, amps) in [(Nanos(at), pattern.amps), (Nanos(at + width), 0.0)] {
-                wire.set_current(at, amps);
-                let strain = wire.strain(at).total();
-                (least, most) = (least.min(strain), most.max(strain));
-            }
+            wire.set_current(Nanos(at), pattern.amps);
+            wire.set_current(Nanos(at + width), 0.0);
         }
     }
     let end = Nanos(from.0 + bursts * cadence);
     wire.advance(end);
-    (end, most - least)
+    end
 }
 
 /// The first row of the limit table that a pattern passes by itself, whatever the wire does.
@@ -206,12 +195,6 @@ fn forbidden(pattern: &PulsePattern, width_s: f64, resistance_ohm: f64) -> Optio
 
 fn first(rows: &[(&'static str, bool)]) -> Option<&'static str> {
     rows.iter().find(|row| row.1).map(|row| row.0)
-}
-
-/// Length of a wire beyond the straight line between its ends, m: pi^2 s^2 / 4 L.
-fn slack_m(wire: &WireParameters) -> f64 {
-    let sag = wire.mount.sag_m;
-    core::f64::consts::PI * core::f64::consts::PI * sag * sag / (4.0 * wire.length_m)
 }
 
 /// Marks the points that no other beats: as strong or stronger at tissue as cool or cooler and as small a current or

@@ -35,7 +35,7 @@ fn a_burn_is_beyond_the_model_and_an_exceeded_limit() {
 #[test]
 fn a_bow_that_is_pulled_straight_is_beyond_the_model() {
     let conclusion = |sag_um: f64| {
-        let mut bench = load_bench("passed").unwrap();
+        let mut bench = load_bench("emulated").unwrap();
         bench.value.mount.sag_um = sag_um;
         bench.value.tissue.modulus_kpa = 1.0;
         let setup = Setup::join(load_scene("sphere-along").unwrap(), bench).unwrap();

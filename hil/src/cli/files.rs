@@ -51,6 +51,15 @@ pub struct ListArgs {
     pub json: bool,
 }
 
+/// States of a wire in which the sag of its bow may have been measured.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SagState {
+    /// All martensite.
+    Cold,
+    /// Heated until all of it was austenite, then cooled to rest.
+    Passed,
+}
+
 /// Options of `hil check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -61,6 +70,9 @@ pub struct CheckArgs {
     /// Comments stay.
     #[arg(long)]
     pub migrate: bool,
+    /// With --migrate: the state in which a bench's sag was measured, for wires of an earlier version, which do not say it.
+    #[arg(long, requires = "migrate", value_name = "STATE")]
+    pub sag_state: Option<SagState>,
     /// With --migrate: change the files themselves, and keep what they were as `mine.toml.old`.
     #[arg(short = 'f', long, requires = "migrate")]
     pub force: bool,

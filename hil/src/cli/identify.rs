@@ -32,7 +32,7 @@ pub struct IdentifyArgs {
         default_value = palpate_files::DEFAULT_BENCH
     )]
     pub bench: String,
-    /// A value in place of the bench's (`wire.kind=loose`, `mount.sag_um=75`). Repeatable.
+    /// A value in place of the bench's (`wire.kind=final-75um`, `mount.sag_um=75`). Repeatable.
     #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
     /// Rows per second of a trace without times.

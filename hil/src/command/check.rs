@@ -4,13 +4,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_files::{
-    Checked, FileError, FileKind, Setup, Source, check as check_file, load_bench, load_scene,
-    migrated, said,
+    Checked, FileError, FileKind, Setup, Source, WireState, check as check_file, load_bench,
+    load_scene, migrated, said,
 };
 use palpate_run::Failure;
 use serde_json::json;
 
-use crate::cli::CheckArgs;
+use crate::cli::{CheckArgs, SagState};
 use palpate_live::output::{note, print, print_json, write_file};
 
 /// A file and its errors.
@@ -86,7 +86,11 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
 fn migrate(args: &CheckArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for path in &args.files {
-        let found = migrated(&Source::open(path)?);
+        let state = args.sag_state.map(|state| match state {
+            SagState::Cold => WireState::Cold,
+            SagState::Passed => WireState::Passed,
+        });
+        let found = migrated(&Source::open(path)?, state)?;
         let Some(found) = found else {
             files.push(path.clone());
             continue;

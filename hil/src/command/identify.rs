@@ -1,6 +1,5 @@
 //! `hil identify`: the figures of a wire that a trace shows.
 
-use palpate_core::physics::Bow;
 use palpate_files::{FileError, Overrides, Rows, Setup, Take, Timing};
 use palpate_run::identify::{
     Figure, Identified, MOST_SAMPLES, Sample, Signal, Subject, clipped, identify as find,
@@ -94,13 +93,9 @@ fn subject(args: &IdentifyArgs) -> Result<Subject, Failure> {
     }
     // A wire needs no scene, but a bench is checked with one.
     let setup = Setup::load("idle", &args.bench)?.with(&overrides)?;
-    let (wire, tissue) = (plan::wire(&setup), setup.bench.value.tissue.parameters());
-    let bow = Bow::new(&wire, &tissue)
-        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", args.bench)))?;
     Ok(Subject {
-        wire,
-        tissue,
-        gain: bow.gain,
+        wire: plan::wire(&setup),
+        tissue: setup.bench.value.tissue.parameters(),
         start_c: START_C,
     })
 }

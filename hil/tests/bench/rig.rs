@@ -230,7 +230,7 @@ impl Bench {
         let count = nodes.len();
         let mut text = format!(
             "name = \"fake\"\ndescription = \"chips of a fake bench\"\nkind = \"real\"\ndisplay = \"thimble-8\"\nlimits = \"default\"\n\
-             wire = {{ kind = \"loose-8mm\", alloy = \"low\" }}\n\
+             wire = {{ kind = \"final-75um\", alloy = \"low\" }}\n\
              [real]\ncan = [\"lo\"]\ni2c = {nodes:?}\n\
              [drive]\ncurrent_ma = 1970.0\nsupply_limit_ma = 4000.0\npwm_hz = 200.0\n"
         );

@@ -24,8 +24,8 @@ const DRIVEN: usize = 3;
 const SOA: Nanos = Nanos(58_500_000);
 const END: Nanos = Nanos(1_000_000_000);
 const AMPS: f64 = 0.99;
-/// A loose wire, as on the default bench: its plays turn within each pulse.
-const WIRE: WireParameters = WireParameters::FINAL.loose();
+/// A loose wire, as on the default bench: its phases turn within each pulse.
+const WIRE: WireParameters = WireParameters::FINAL;
 const PERSON: Person = Person {
     vibration_um: 0.26,
     flutter_um: 5.0,

@@ -1,7 +1,7 @@
 //! What latent heat adds: a wire that transforms back gives off later what it took up, so the skin may come out
 //! hotter than without. Running maxima are compared, since at one instant it may be hotter in any case.
 
-use palpate_core::physics::{Play, WireParameters};
+use palpate_core::physics::{RPhase, WireParameters};
 use palpate_core::random::RandomStream;
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
@@ -60,13 +60,13 @@ fn adds_less(draw: impl Fn(&mut RandomStream) -> Parameters) {
     for _ in 0..600 {
         let p = draw(&mut s);
         let with = p.wire;
-        let cold = |play: Play| Play {
+        let cold = |r: RPhase| RPhase {
             latent_heat: 0.0,
-            ..play
+            ..r
         };
         let without = WireParameters {
             latent_heat: 0.0,
-            beside: with.beside.map(|play| play.map(cold)),
+            r_phase: with.r_phase.map(cold),
             ..with
         };
         let mut pair = [with, without].map(|w| Wire::new(&w, &p.skin, p.skin.body_c).unwrap());

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use palpate_core::codec::pca9685::PRE_SCALE_RESET;
 use palpate_core::guard::{HARD, Limits, WornWire};
-use palpate_core::physics::{Alloy, Play, TissueParameters, WireParameters};
+use palpate_core::physics::{Alloy, RPhase, TissueParameters, WireParameters};
 use palpate_core::random::RandomStream;
 use palpate_core::units::{Channel, Clock, Milliamps, Prescale};
 use palpate_emulators::display::amplifier::Amplifier;
@@ -53,9 +53,9 @@ impl Parameters {
     pub fn draw(s: &mut RandomStream) -> Self {
         let first = s.next_u64().is_multiple_of(2);
         let base = if first {
-            WireParameters::FIRST
+            WireParameters::FIRST.taut()
         } else {
-            WireParameters::FINAL
+            WireParameters::FINAL.taut()
         };
         let alloy = if s.next_u64().is_multiple_of(2) {
             Alloy::LOW
@@ -95,18 +95,20 @@ impl Parameters {
         }
     }
 
-    /// The same with loose wires: low stress, so that bands lie around the skin's own temperature, and an R phase with
-    /// latent heat of its own; that of all phases stays in the stated range.
+    /// Makes the wires loose: low stress, so that bands lie around the skin's own temperature, and an R phase with latent
+    /// heat of its own, which the martensite's exceeds.
     pub fn loose(self, s: &mut RandomStream) -> Self {
-        let mut wire = self.wire.loose();
         let latent_heat = pick(s, 3e3, 8e3);
-        wire.beside[0] = Some(Play {
-            latent_heat,
-            ..Play::R_PHASE
-        });
-        wire.bias_stress_pa = pick(s, 2e6, 40e6);
-        wire.reversible = pick(s, 0.002, 0.3);
-        wire.latent_heat = pick(s, 0.0, 24e3 - latent_heat);
+        let wire = WireParameters {
+            r_phase: Some(RPhase {
+                latent_heat,
+                ..RPhase::LOW
+            }),
+            bias_stress_pa: pick(s, 2e6, 40e6),
+            reversible: pick(s, 0.002, 0.3),
+            latent_heat: pick(s, latent_heat, 24e3),
+            ..self.wire
+        };
         Self { wire, ..self }
     }
 

@@ -19,6 +19,8 @@ use crate::display::solver::strain::{Motion, Strain, Worn};
 use crate::display::solver::stretch::Stretch;
 use crate::time::Nanos;
 use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
+#[cfg(test)]
+use palpate_core::physics::{Curve, Law};
 use palpate_core::vector::{Scalar, Vectors};
 use step::{Glance, Run};
 
@@ -74,7 +76,7 @@ struct Heat {
 }
 
 impl Exact {
-    /// A wire and its tissue, all at `start_c`, wire martensite unless that is hot.
+    /// A wire and its tissue, all at rest at `start_c`, the wire's phases by its history.
     ///
     /// # Errors
     /// A parameter that cannot be computed with.
@@ -131,9 +133,10 @@ impl Exact {
     /// # Errors
     /// A parameter that cannot be computed with.
     pub fn wear(&mut self, tissue: &TissueParameters) -> Result<(), ParameterError> {
-        let bow = Bow::new(&self.wire, tissue)?;
-        let (strain, u_m) = (self.strain().total(), self.phase.u_m(self.wire_c()));
-        self.worn = Some(Worn::new(&bow, self.wire.length_m, strain, u_m));
+        self.worn = Some(Worn {
+            parting_m: Bow::new(&self.wire, tissue)?.parting_m,
+            rest_m: self.phase.u_m(self.wire_c()),
+        });
         self.motion = Motion::default();
         Ok(())
     }
@@ -188,9 +191,18 @@ impl Exact {
         }
     }
 
-    /// Replaces the phases of the wire.
+    /// Replaces the bow by one whose stress is the bias stress throughout, and whose skin moves by its gain at rest.
     #[cfg(test)]
-    pub(crate) fn with_phase(self, phase: Phase) -> Self {
+    pub(crate) fn with_linear_bow(self, tissue: &TissueParameters, start_c: f64) -> Self {
+        let bow = Bow::new(&self.wire, tissue).unwrap();
+        let mut curve = Curve::new(&bow, &self.wire);
+        curve.pieces.truncate(1);
+        let piece = &mut curve.pieces[0];
+        (piece.low, piece.high) = (f64::NEG_INFINITY, f64::INFINITY);
+        (piece.from, piece.u_m, piece.u_per) = (0.0, 0.0, -bow.gain * self.wire.length_m);
+        (piece.stress_pa, piece.stiffness_pa, piece.tight) = (0.0, 0.0, false);
+        let law = Law::in_bow(&self.wire, curve, start_c).unwrap();
+        let phase = Phase::by(law).unwrap();
         Self { phase, ..self }
     }
 
@@ -342,20 +354,11 @@ impl Exact {
         (nominal * relative, nominal * per_kelvin)
     }
 
-    /// Computes what the skin does from `t` on until `branch` ends, which it does where both part or meet.
-    fn touch(&mut self, t: f64, branch: &mut Branch) {
-        if let Some(motion) = self.reach(t, branch) {
-            self.motion = motion;
+    /// Computes the motion of the skin from `t` on, where the wire is worn.
+    fn touch(&mut self, t: f64) {
+        if let Some(worn) = &self.worn {
+            self.motion = self.phase.motion(worn, t);
         }
-    }
-
-    /// The same without doing it: what the skin would do, where the wire is worn.
-    fn reach(&self, t: f64, branch: &mut Branch) -> Option<Motion> {
-        let worn = self.worn.as_ref()?;
-        let (motion, (low, high)) = self.phase.motion(worn, t, branch, self.heading);
-        branch.low = branch.low.max(low);
-        branch.high = branch.high.min(high);
-        Some(motion)
     }
 
     /// Heat into the wire from the drive alone.

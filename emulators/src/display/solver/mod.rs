@@ -11,7 +11,6 @@ mod lanes;
 mod maxima;
 pub mod modal;
 pub(crate) mod phase;
-mod plays;
 mod propagators;
 pub mod record;
 mod regimes;

@@ -1,28 +1,15 @@
-//! The phases of a wire, by what is known of it: plays in parallel, or phases that exclude one another in a bow.
-//!
-//! [`Plays`] go with [`Worn`], the linear bow: once every wire has a history, both go, and [`Phase`] is what
-//! [`Exclusive`] is.
+//! The phases of a wire, which exclude one another, and the skin under its bow, which saturates.
 
 use std::sync::Arc;
 
 use palpate_core::physics::{Law, ParameterError, Phases, TissueParameters, WireParameters};
 
 use super::branch::{Branch, Heading};
-use super::plays::Plays;
 use super::strain::{Motion, Strain, Worn};
 
-/// The phases of one wire.
+/// The phases of one wire in its bow. Copies share the law.
 #[derive(Clone, Debug)]
-pub enum Phase {
-    /// Plays in parallel: a wire without a history.
-    Parallel(Plays),
-    /// Phases that exclude one another: a wire with a history.
-    Exclusive(Box<Exclusive>),
-}
-
-/// Phases that exclude one another, in a bow that saturates.
-#[derive(Clone, Debug)]
-pub struct Exclusive {
+pub struct Phase {
     law: Arc<Law>,
     phases: Phases,
     /// True once the bow has been past the tightest that the model knows.
@@ -30,105 +17,23 @@ pub struct Exclusive {
 }
 
 impl Phase {
-    /// Makes the phases of a wire on a finger at rest at `start_c`: by its history, or else as after heating from far below.
+    /// Makes the phases of a wire on a finger, by its history at rest at `start_c` degrees C.
     ///
     /// # Errors
-    /// A parameter that cannot be computed with.
+    /// A parameter that cannot be computed with, or a rest that cannot be.
     pub fn new(
         wire: &WireParameters,
         tissue: &TissueParameters,
         start_c: f64,
     ) -> Result<Self, ParameterError> {
-        match wire.history {
-            None => Plays::new(wire, start_c).map(Self::Parallel),
-            Some(_) => {
-                let law = Law::new(wire, tissue, start_c)?;
-                Exclusive::new(law).map(|e| Self::Exclusive(Box::new(e)))
-            }
-        }
+        Self::by(Law::new(wire, tissue, start_c)?)
     }
 
-    /// Martensite fraction at `t` degrees C, reached without a turn since the last event; in [0, 1].
-    pub fn fraction(&self, t: f64) -> f64 {
-        match self {
-            Self::Parallel(plays) => plays.fraction(t),
-            Self::Exclusive(e) => e.phases.fractions(t)[0],
-        }
-    }
-
-    /// Latent heat that the wire holds at `t`, reached without a turn since the last event, J: none where all of it is martensite.
-    pub fn latent_j(&self, t: f64) -> f64 {
-        match self {
-            Self::Parallel(plays) => plays.latent_j(t),
-            Self::Exclusive(e) => e.phases.latent_j(&e.law, t),
-        }
-    }
-
-    /// Strain at `t`, reached without a turn since the last event.
-    pub fn strain(&self, t: f64) -> Strain {
-        match self {
-            Self::Parallel(plays) => plays.strain(t),
-            Self::Exclusive(e) => e.strain(t),
-        }
-    }
-
-    /// The straight piece that leads on from `t`.
-    pub fn branch(&self, t: f64, heading: Heading) -> Branch {
-        match self {
-            Self::Parallel(plays) => plays.branch(t, heading),
-            Self::Exclusive(e) => e.branch(),
-        }
-    }
-
-    /// Motion of the skin from `t` on under a wire that is worn, and the temperatures between which it holds.
-    pub fn motion(
-        &self,
-        worn: &Worn,
-        t: f64,
-        branch: &Branch,
-        heading: Heading,
-    ) -> (Motion, (f64, f64)) {
-        match self {
-            Self::Parallel(plays) => {
-                let rises = heading == Heading::Up;
-                worn.motion(t, plays.strain(t).total(), branch.strain, rises)
-            }
-            // Where skin and wire part the bow has a knot.
-            Self::Exclusive(e) => (e.motion(worn, t), (f64::NEG_INFINITY, f64::INFINITY)),
-        }
-    }
-
-    /// Displacement of the bow from its sag at `t`, m; a wire without a history has its sag at rest.
-    pub fn u_m(&self, t: f64) -> f64 {
-        match self {
-            Self::Parallel(_) => 0.0,
-            Self::Exclusive(e) => e.phases.u_m(&e.law, t),
-        }
-    }
-
-    /// Takes a turn of the temperature or a threshold passed at `t`.
-    pub fn commit(&mut self, t: f64, heading: Heading) {
-        match self {
-            Self::Parallel(plays) => plays.commit(t),
-            Self::Exclusive(e) => e.commit(t, heading),
-        }
-    }
-
-    /// True once the bow has been past nine tenths of its sag.
-    pub const fn was_tight(&self) -> bool {
-        match self {
-            Self::Parallel(_) => false,
-            Self::Exclusive(e) => e.tight,
-        }
-    }
-}
-
-impl Exclusive {
-    /// A wire at rest.
+    /// Makes the phases of a wire at rest by its law.
     ///
     /// # Errors
     /// A rest that cannot be.
-    pub(crate) fn new(law: Law) -> Result<Self, ParameterError> {
+    pub(crate) fn by(law: Law) -> Result<Self, ParameterError> {
         let phases = Phases::rest(&law)?;
         Ok(Self {
             law: Arc::new(law),
@@ -137,7 +42,18 @@ impl Exclusive {
         })
     }
 
-    fn strain(&self, t: f64) -> Strain {
+    /// Martensite fraction at `t` degrees C, reached without a turn since the last event; in [0, 1].
+    pub fn fraction(&self, t: f64) -> f64 {
+        self.phases.fractions(t)[0]
+    }
+
+    /// Latent heat that the wire holds at `t`, reached without a turn since the last event, J: none where all of it is martensite.
+    pub fn latent_j(&self, t: f64) -> f64 {
+        self.phases.latent_j(&self.law, t)
+    }
+
+    /// Strain at `t`, reached without a turn since the last event.
+    pub fn strain(&self, t: f64) -> Strain {
         let (law, thermal) = (&*self.law, self.phases.thermal_strain(&self.law, t));
         Strain {
             elastic: law.elastic(self.phases.stress_pa(law, t)),
@@ -146,7 +62,8 @@ impl Exclusive {
         }
     }
 
-    fn branch(&self) -> Branch {
+    /// The straight piece that leads on from the last event.
+    pub fn branch(&self) -> Branch {
         let line = self.phases.line_on();
         Branch {
             slope: line.martensite,
@@ -158,13 +75,12 @@ impl Exclusive {
         }
     }
 
-    fn motion(&self, worn: &Worn, t: f64) -> Motion {
+    /// Motion of the skin from `t` on under a wire that is worn. Where skin and wire part the bow has a knot, so the motion
+    /// holds as long as the branch does.
+    pub fn motion(&self, worn: &Worn, t: f64) -> Motion {
         let (at_m, m_per_k) = match self.phases.is_apart(&self.law) {
             true => (worn.parting_m - worn.rest_m, 0.0),
-            false => (
-                self.phases.u_m(&self.law, t) - worn.rest_m,
-                self.phases.line_on().u_m,
-            ),
+            false => (self.u_m(t) - worn.rest_m, self.phases.line_on().u_m),
         };
         Motion {
             at_m,
@@ -173,8 +89,19 @@ impl Exclusive {
         }
     }
 
-    fn commit(&mut self, t: f64, heading: Heading) {
+    /// Displacement of the bow from its sag at `t`, m.
+    pub fn u_m(&self, t: f64) -> f64 {
+        self.phases.u_m(&self.law, t)
+    }
+
+    /// Takes a turn of the temperature or a threshold passed at `t`.
+    pub fn commit(&mut self, t: f64, heading: Heading) {
         self.phases.commit(&self.law, t, heading == Heading::Up);
         self.tight |= self.phases.is_tight(&self.law);
+    }
+
+    /// True once the bow has been past nine tenths of its sag.
+    pub const fn was_tight(&self) -> bool {
+        self.tight
     }
 }

@@ -1,15 +1,13 @@
 //! Strain of a wire by parts, and what the skin feels of it.
 
-use palpate_core::physics::Bow;
-
 /// Parts of the strain, 1; positive is longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain {
-    /// sigma / E(xi), Reuss mean of the two moduli; of a wire with a history sigma / E of martensite, as its bow has it.
+    /// sigma / E of martensite, as the bow has it.
     pub elastic: f64,
     /// Sum of the phases' strains.
     pub phase: f64,
-    /// alpha(xi) (T - T0). Over a band it is straightened (see [`super::plays`]).
+    /// alpha(xi) (T - T0). Over a band it is straightened (see [`palpate_core::physics::Law`]).
     pub thermal: f64,
 }
 
@@ -39,69 +37,11 @@ impl Motion {
     }
 }
 
-/// A wire on the skin.
+/// A wire on the skin: displacements of its bow from its sag.
 #[derive(Clone, Copy, Debug)]
 pub struct Worn {
-    /// Displacement over strain, m.
-    gain_m: f64,
-    /// Strain at which both were put together, 1.
-    rest: f64,
-    /// Strain over which skin and wire are apart, 1.
-    parting: f64,
-    /// Displacement then, m.
-    pub(super) parting_m: f64,
-    /// Displacement of the bow from its sag when both were put together, m.
-    pub(super) rest_m: f64,
-}
-
-/// Strains closer than this are the same; rounding is a hundredth of it.
-const SAME: f64 = 1e-15;
-
-impl Worn {
-    /// A wire of this length that lies on the skin at a strain, its bow `rest_m` from its sag.
-    pub fn new(bow: &Bow, length_m: f64, rest: f64, rest_m: f64) -> Self {
-        let gain_m = bow.gain * length_m;
-        Self {
-            gain_m,
-            rest,
-            parting: rest - bow.parting_m / gain_m,
-            parting_m: bow.parting_m,
-            rest_m,
-        }
-    }
-
-    /// The skin from a wire temperature `t` on, where the strain is `strain` and changes by `per_k`, while temperature
-    /// `rises` or falls; and the temperatures between which that holds, at whose ends both part or meet.
-    pub fn motion(&self, t: f64, strain: f64, per_k: f64, rises: bool) -> (Motion, (f64, f64)) {
-        let over = strain - self.parting;
-        let here = over.abs() <= SAME;
-        let apart = if here {
-            (per_k > 0.0) == rises
-        } else {
-            over > 0.0
-        };
-        let motion = if apart {
-            Motion {
-                at_m: self.parting_m,
-                m_per_k: 0.0,
-                from_c: t,
-            }
-        } else {
-            Motion {
-                at_m: self.gain_m * (self.rest - strain),
-                m_per_k: -self.gain_m * per_k,
-                from_c: t,
-            }
-        };
-        let change = t - over / per_k;
-        // Where both just met or parted that lies behind, whatever rounding makes of it.
-        let between = match change.is_finite() {
-            true if here && rises => (change.min(t), f64::INFINITY),
-            true if here => (f64::NEG_INFINITY, change.max(t)),
-            true if change > t => (f64::NEG_INFINITY, change),
-            true => (change, f64::INFINITY),
-            false => (f64::NEG_INFINITY, f64::INFINITY),
-        };
-        (motion, between)
-    }
+    /// At which skin and wire part, m.
+    pub parting_m: f64,
+    /// At which both were put together, m.
+    pub rest_m: f64,
 }

@@ -10,7 +10,7 @@
 use super::*;
 use crate::display::finger::{NODES, ThermalNetwork};
 use palpate_core::physics::{
-    Bow, Curve, History, Mechanics, Mount, Play, SHARES, TissueParameters, WireParameters,
+    Bow, Curve, History, Mechanics, Mount, RPhase, SHARES, TissueParameters, WireParameters,
     WireState,
 };
 
@@ -26,7 +26,7 @@ struct Plain<'a> {
     wire: &'a WireParameters,
     network: ThermalNetwork,
     curve: Curve,
-    r: Play,
+    r: RPhase,
     /// Strain at which the bow is at rest.
     rest: f64,
 }
@@ -347,7 +347,7 @@ fn compare(wire: &WireParameters, start_m: f64, pulse: (u64, f64)) -> ([f64; 3],
         wire,
         network: ThermalNetwork::new(wire, &tissue).unwrap(),
         curve: Curve::new(&bow, wire),
-        r: wire.beside[0].unwrap(),
+        r: wire.r_phase.unwrap(),
         rest: 0.0,
     };
     let mut y = [33.0; SIZE];
@@ -395,23 +395,18 @@ fn phases_in_a_bow_agree_with_another_method() {
             sag_m: sag_um * 1e-6,
             ..Mount::DEFAULT
         },
-        history: Some(History {
+        history: History {
             state,
             sag_state: state,
             coldest_c: None,
-        }),
-        ..WireParameters::FINAL.loose()
+        },
+        ..trained()
     };
     let strong = WireParameters {
-        beside: [
-            Some(Play {
-                strain: 9e-3,
-                ..Play::R_PHASE
-            }),
-            None,
-            None,
-            None,
-        ],
+        r_phase: Some(RPhase {
+            strain: 9e-3,
+            ..RPhase::LOW
+        }),
         ..wire(WireState::Passed, 170.0)
     };
     let thin = WireParameters {

@@ -2,11 +2,9 @@
 
 use super::*;
 use crate::display::solver::exact::Exact;
-use crate::display::solver::phase::{Exclusive, Phase};
 use crate::person::channels::{Levels, Perceiver, Person};
 use palpate_core::physics::{
-    Alloy, Bow, Curve, History, Law, Mechanics, Mount, Play, TissueParameters, WireParameters,
-    WireState,
+    Alloy, History, Mechanics, Mount, RPhase, TissueParameters, WireParameters, WireState,
 };
 
 const MS: u64 = 1_000_000;
@@ -44,12 +42,12 @@ fn wire(state: WireState, sag_state: WireState, sag_um: f64) -> WireParameters {
             sag_m: sag_um * 1e-6,
             ..Mount::DEFAULT
         },
-        history: Some(History {
+        history: History {
             state,
             sag_state,
             coldest_c: None,
-        }),
-        ..WireParameters::FINAL.loose()
+        },
+        ..trained()
     }
 }
 
@@ -102,17 +100,7 @@ fn built(case: &Case, tissue: &TissueParameters) -> (Exact, f64) {
     let (wire, start_c) = (&case.wire, case.finger_c);
     let mut solver = Exact::new(wire, tissue, start_c).unwrap();
     if case.linear {
-        // One piece: the gain at rest, and no change of the stress.
-        let bow = Bow::new(wire, tissue).unwrap();
-        let mut curve = Curve::new(&bow, wire);
-        curve.pieces.truncate(1);
-        let piece = &mut curve.pieces[0];
-        (piece.low, piece.high) = (f64::NEG_INFINITY, f64::INFINITY);
-        (piece.from, piece.u_m, piece.u_per) = (0.0, 0.0, -bow.gain * wire.length_m);
-        (piece.stress_pa, piece.stiffness_pa, piece.tight) = (0.0, 0.0, false);
-        let law = Law::in_bow(wire, curve, start_c).unwrap();
-        let phase = Phase::Exclusive(Box::new(Exclusive::new(law).unwrap()));
-        solver = solver.with_phase(phase);
+        solver = solver.with_linear_bow(tissue, start_c);
     }
     let rest_m = solver.bow_m();
     (solver, rest_m)
@@ -187,18 +175,18 @@ fn cases() -> [(&'static str, Case, Row); 8] {
     use WireState::{Cold, Passed};
     let cool = {
         let mut wire = r_alloy(wire(Passed, Passed, 250.0));
-        let mut play = Play {
+        let mut r = RPhase {
             strain: 0.002,
-            ..Play::R_PHASE
+            ..RPhase::LOW
         };
-        play.bands = Alloy {
+        r.bands = Alloy {
             austenite_start_c: 33.0,
             austenite_finish_c: 43.0,
             martensite_start_c: 41.0,
             martensite_finish_c: 31.0,
-            ..play.bands
+            ..r.bands
         };
-        wire.beside[0] = Some(play);
+        wire.r_phase = Some(r);
         wire
     };
     let linear = |case: Case| Case {

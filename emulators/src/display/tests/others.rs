@@ -41,7 +41,7 @@ fn time_constant(wire: &WireParameters, tissue: &TissueParameters) -> f64 {
 
 #[test]
 fn time_constants() {
-    let wire = WireParameters::FINAL;
+    let wire = WireParameters::FINAL.taut();
     let no_ends = WireParameters {
         conductivity: 0.0,
         ..wire
@@ -102,7 +102,12 @@ fn dose_of_known_plateaus() {
 
 #[test]
 fn wide_vectors_give_the_same_bits() {
-    let wide = Exact::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, 33.0).unwrap();
+    let wide = Exact::new(
+        &WireParameters::FINAL.taut(),
+        &TissueParameters::DEFAULT,
+        33.0,
+    )
+    .unwrap();
     let plain = wide.with_vectors(Vectors::plain());
     // Bursts and pauses: the wire transforms both ways.
     let [wide, plain] = [wide, plain].map(|mut solver| {

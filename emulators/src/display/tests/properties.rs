@@ -3,57 +3,46 @@
 use super::*;
 use crate::display::solver::record::Peaks;
 use palpate_core::physics::{
-    Alloy, History, Hysteresis, Mechanics, Mount, Play, TissueParameters, WireParameters, WireState,
+    Alloy, History, Mechanics, Mount, RPhase, TissueParameters, WireParameters, WireState,
 };
 use proptest::prelude::*;
 
 prop_compose! {
-    fn law()(one in any::<bool>(), count in 1_u8..8, narrowest in 0.05..1.0_f64) -> Hysteresis {
-        if one { Hysteresis::Play } else { Hysteresis::Plays { count, narrowest } }
-    }
-}
-
-prop_compose! {
-    /// The stated range of parameters, with every law and both wires.
+    /// The stated range of parameters, with both wires.
     fn wires()(
-        first in any::<bool>(), high in any::<bool>(), hysteresis in law(),
-        wire_share in 0.6..=1.0_f64, specific_heat in 322.0..=837.0_f64, latent_heat in 0.0..=24e3_f64,
+        first in any::<bool>(), high in any::<bool>(),
+        wire_share in 0.6..=1.0_f64, specific_heat in 322.0..=837.0_f64, latent_heat in 4e3..=24e3_f64,
         austenite_ratio in prop_oneof![Just(1.0), 0.7..1.3_f64],
         resistance_per_kelvin in prop_oneof![Just(0.0), -5e-4..1e-3_f64],
         bias_stress_pa in prop_oneof![Just(172e6), 0.0..40e6_f64],
-        reversible in prop_oneof![Just(0.0), 0.0..1.0_f64],
-        r_phase in proptest::option::of(Just(Play::R_PHASE)),
+        reversible in prop_oneof![Just(0.0), 0.0..0.1_f64],
+        r_phase in proptest::option::of(Just(RPhase::LOW)),
     ) -> WireParameters {
         let base = if first { WireParameters::FIRST } else { WireParameters::FINAL };
         let alloy = if high { Alloy::HIGH } else { Alloy::LOW };
         WireParameters {
-            alloy, hysteresis, wire_share, specific_heat, latent_heat, austenite_ratio,
-            resistance_per_kelvin, bias_stress_pa, reversible, beside: [r_phase, None, None, None], ..base
+            alloy, wire_share, specific_heat, latent_heat, austenite_ratio,
+            resistance_per_kelvin, bias_stress_pa, reversible, r_phase, ..base
         }
     }
 }
 
 prop_compose! {
-    /// Both models: a wire of the stated range without a history, or with one where it can be at rest with it.
-    fn both()(
-        wire in wires(), passed in any::<bool>(), own in any::<bool>(), history in any::<bool>(),
+    /// A wire of the stated range with a bow and a history, where it can be at rest with them.
+    fn histories()(
+        wire in wires(), passed in any::<bool>(), own in any::<bool>(),
         strain in 0.001..0.02_f64, stress in 0.0..30e6_f64, sag_m in 100e-6..500e-6_f64,
     ) -> WireParameters {
         let of = |passed| if passed { WireState::Passed } else { WireState::Cold };
         let with = WireParameters {
-            hysteresis: Hysteresis::Play,
-            reversible: wire.reversible * 0.1,
-            latent_heat: wire.latent_heat.max(4e3),
             bias_stress_pa: stress,
             mechanics: Mechanics { transformation_strain: strain, ..wire.mechanics },
             mount: Mount { sag_m, ..wire.mount },
-            history: Some(History {
-                state: of(passed), sag_state: of(passed == own), coldest_c: None,
-            }),
+            history: History { state: of(passed), sag_state: of(passed == own), coldest_c: None },
             ..wire
         };
         let can_be = Wire::new(&with, &TissueParameters::DEFAULT, 33.0).is_ok();
-        if history && can_be { with } else { wire }
+        if can_be { with } else { WireParameters { history: History::COLD, ..wire } }
     }
 }
 
@@ -105,7 +94,7 @@ proptest! {
     /// However time is cut, the answer is the same to 1e-9 K.
     #[test]
     fn cuts_change_nothing(
-        p in both(), s in tissues(), drive in drives(), cuts in proptest::collection::vec(1..7_u64, 1..5),
+        p in histories(), s in tissues(), drive in drives(), cuts in proptest::collection::vec(1..7_u64, 1..5),
     ) {
         let mut whole = Wire::new(&p, &s, 33.0).and_then(|w| w.worn(&s)).unwrap();
         let mut cut = whole.clone();
@@ -125,7 +114,7 @@ proptest! {
 
     /// Maxima are the same, asked for at every edge or once.
     #[test]
-    fn asking_changes_nothing(p in both(), s in tissues(), drive in drives()) {
+    fn asking_changes_nothing(p in histories(), s in tissues(), drive in drives()) {
         let mut once = Wire::new(&p, &s, 33.0).unwrap();
         let mut often = once.clone();
         let end = run(&mut once, &drive, &[]);
@@ -146,7 +135,7 @@ proptest! {
     /// A light copy that looks ahead answers as a whole copy does, to the bit.
     #[test]
     fn looking_ahead_is_exact(
-        p in both(), s in tissues(), drive in drives(), ahead in prop_oneof![0..20_000_000_u64, 0..5_000_000_000_u64],
+        p in histories(), s in tissues(), drive in drives(), ahead in prop_oneof![0..20_000_000_u64, 0..5_000_000_000_u64],
     ) {
         let mut wire = Wire::new(&p, &s, 33.0).and_then(|w| w.worn(&s)).unwrap().with_dose();
         let (last, before) = drive.split_last().unwrap();
@@ -164,7 +153,7 @@ proptest! {
 
     /// Of several wires the warmest is found, however little of the others is searched.
     #[test]
-    fn a_floor_hides_no_maximum_of_all(p in both(), s in tissues(), drives in [drives(), drives(), drives()]) {
+    fn a_floor_hides_no_maximum_of_all(p in histories(), s in tissues(), drives in [drives(), drives(), drives()]) {
         let one = Wire::new(&p, &s, 33.0).unwrap();
         let (mut long, mut short) = (Peaks::NONE, Peaks::NONE);
         let mut pairs: Vec<_> = drives.iter().map(|drive| {
@@ -203,10 +192,9 @@ proptest! {
 
     /// Every joule into the wire is in the wire, in the tissue or gone by a named way.
     #[test]
-    fn energy_balances(p in both(), s in tissues(), start in 0.0..110.0_f64, drive in drives()) {
-        // At another temperature a wire with a history may not be able to rest.
+    fn energy_balances(p in histories(), s in tissues(), start in 0.0..110.0_f64, drive in drives()) {
+        // At another temperature a wire may not be able to rest.
         let Ok(mut w) = Wire::new(&p, &s, start) else {
-            prop_assert!(p.history.is_some());
             return Ok(());
         };
         let before = w.energy(Nanos::ZERO);
@@ -223,11 +211,10 @@ proptest! {
     /// and maxima are what they say.
     #[test]
     fn numbers_stay_numbers(
-        p in both(), s in tissues(), start in -10.0..120.0_f64, drive in drives(), idle in 0..u64::MAX / 2,
+        p in histories(), s in tissues(), start in -10.0..120.0_f64, drive in drives(), idle in 0..u64::MAX / 2,
     ) {
-        // At another temperature a wire with a history may not be able to rest.
+        // At another temperature a wire may not be able to rest.
         let Ok(mut w) = Wire::new(&p, &s, start) else {
-            prop_assert!(p.history.is_some());
             return Ok(());
         };
         let mut t = Nanos::ZERO;
@@ -249,7 +236,7 @@ proptest! {
 
     /// A wire that was only ever heated from rest cools without a rise once its current is off.
     #[test]
-    fn cooling_is_monotone(p in both(), s in tissues(), drive in drives(), gaps in proptest::collection::vec(1..50_000_000_u64, 1..40)) {
+    fn cooling_is_monotone(p in histories(), s in tissues(), drive in drives(), gaps in proptest::collection::vec(1..50_000_000_u64, 1..40)) {
         let s = TissueParameters { air_c: s.body_c, ..s };
         let mut w = Wire::new(&p, &s, 33.0).unwrap();
         let mut t = run(&mut w, &drive, &[]);
@@ -278,10 +265,7 @@ fn a_turn_after_a_turn_is_found() {
         bias_stress_pa: 172e6,
         reversible: 0.0,
         alloy: Alloy::HIGH,
-        hysteresis: Hysteresis::Plays {
-            count: 2,
-            narrowest: 0.330_484_686_516_766_8,
-        },
+        r_phase: None,
         ..WireParameters::FINAL
     };
     let s = TissueParameters {

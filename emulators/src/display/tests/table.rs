@@ -10,15 +10,11 @@ fn wire(share: f64, contact_h: f64) -> Wire {
         contact_h,
         ..TissueParameters::DEFAULT
     };
-    Wire::new(
-        &WireParameters {
-            wire_share: share,
-            ..WireParameters::FINAL
-        },
-        &tissue,
-        33.0,
-    )
-    .unwrap()
+    let wire = WireParameters {
+        wire_share: share,
+        ..WireParameters::FINAL.taut()
+    };
+    at_constant_stress(&wire, &tissue)
 }
 
 #[test]

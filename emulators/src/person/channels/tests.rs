@@ -165,7 +165,7 @@ fn a_burst_of_the_exact_wire_is_felt_as_computed_elsewhere() {
     use crate::display::wire::Wire;
     use crate::time::Nanos;
     use palpate_core::physics::{TissueParameters, WireParameters};
-    let (final_wire, tissue) = (WireParameters::FINAL, TissueParameters::DEFAULT);
+    let (final_wire, tissue) = (WireParameters::FINAL.taut(), TissueParameters::DEFAULT);
     let um_per_k = 21.6 * final_wire.mechanics.expansion_austenite * final_wire.length_m * 1e6;
     let bursts = |count: u64| {
         let mut wire = Wire::new(&final_wire, &tissue, 33.0).unwrap();

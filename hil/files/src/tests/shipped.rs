@@ -148,7 +148,7 @@ fn a_file_states_only_what_differs_from_the_default() {
 fn unknown_names_list_what_exists() {
     assert_eq!(
         load_bench("no-bench").unwrap_err().to_string(),
-        "no-bench: expected a bench (allegro-hand, emulated, passed, set-current, ten-fingers, thesis, three-in-line, unit, unit-whole, warm) or a file, found neither of that name"
+        "no-bench: expected a bench (allegro-hand, emulated, set-current, ten-fingers, thesis, three-in-line, unit, unit-whole, warm) or a file, found neither of that name"
     );
 }
 

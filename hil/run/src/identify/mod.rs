@@ -5,7 +5,7 @@
 
 mod fit;
 
-use palpate_core::physics::{Play, TissueParameters, WireParameters};
+use palpate_core::physics::{DEEPEST, RPhase, TissueParameters, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
 
@@ -36,8 +36,6 @@ pub struct Subject {
     pub wire: WireParameters,
     /// The finger under the wire.
     pub tissue: TissueParameters,
-    /// Displacement over change of length to start from.
-    pub gain: f64,
     /// Temperature at the start, degrees C.
     pub start_c: f64,
 }
@@ -129,12 +127,12 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
         };
         return vec![stress, resistance, ratio];
     }
-    let gain = Unknown {
-        name: "bow gain",
-        unit: "",
-        start: subject.gain,
-        range: (0.1, 100.0),
-        set: |s, v| s.gain = v,
+    let sag = Unknown {
+        name: "sag",
+        unit: "um",
+        start: wire.mount.sag_m * 1e6,
+        range: (20.0, wire.length_m * DEEPEST * 1e6),
+        set: |s, v| s.wire.mount.sag_m = v * 1e-6,
     };
     let martensite = Unknown {
         name: "strain of martensite",
@@ -143,17 +141,17 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
         range: (0.0, 9.0),
         set: |s, v| s.wire.mechanics.transformation_strain = v / 100.0,
     };
-    let mut all = vec![stress, gain, martensite];
-    if let Some(play) = wire.beside[0] {
+    let mut all = vec![stress, sag, martensite];
+    if let Some(r) = wire.r_phase {
         all.push(Unknown {
-            name: "strain of the first play",
+            name: "strain of the R phase",
             unit: "%",
-            start: play.strain * 100.0,
-            range: (-5.0, 5.0),
+            start: r.strain * 100.0,
+            range: (0.0, 5.0),
             set: |s, v| {
-                s.wire.beside[0] = s.wire.beside[0].map(|play| Play {
+                s.wire.r_phase = s.wire.r_phase.map(|r| RPhase {
                     strain: v / 100.0,
-                    ..play
+                    ..r
                 });
             },
         });
@@ -163,14 +161,15 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
 
 /// The signal at every sample, as the model has it.
 fn course(subject: &Subject, signal: Signal, samples: &[Sample]) -> Option<Vec<f64>> {
-    let mut wire = Wire::new(&subject.wire, &subject.tissue, subject.start_c).ok()?;
-    let rest = wire.strain(Nanos::ZERO).total();
+    let tissue = &subject.tissue;
+    let mut wire = Wire::new(&subject.wire, tissue, subject.start_c)
+        .and_then(|wire| wire.worn(tissue))
+        .ok()?;
     let begin = samples.first()?.time_us;
-    let um = -subject.gain * subject.wire.length_m * 1e6;
     let value = |sample: &Sample| {
         let at = Nanos::from_micros(sample.time_us - begin);
         let value = match signal {
-            Signal::Displacement => um * (wire.strain(at).total() - rest),
+            Signal::Displacement => wire.displacement_m(at) * 1e6,
             Signal::Resistance => wire.resistance_ohm(at),
         };
         wire.set_current(at, sample.amps);

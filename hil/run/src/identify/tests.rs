@@ -19,13 +19,16 @@ fn drive() -> Vec<(u64, f64)> {
 
 fn hidden(signal: Signal, s: &mut RandomStream) -> Subject {
     let between = |s: &mut RandomStream, low: f64, high: f64| low + (high - low) * s.uniform();
-    let mut wire = WireParameters::FINAL.loose();
+    let mut wire = WireParameters::FINAL;
     wire.bias_stress_pa = between(s, 4e6, 35e6);
-    wire.mechanics.transformation_strain = between(s, 0.005, 0.02);
-    wire.beside[0] = Some(Play {
-        strain: between(s, 0.0005, 0.003),
-        ..Play::R_PHASE
-    });
+    if signal == Signal::Displacement {
+        wire.mechanics.transformation_strain = between(s, 0.002, 0.004);
+        wire.r_phase = Some(RPhase {
+            strain: between(s, 0.0005, 0.0018),
+            ..RPhase::LOW
+        });
+        wire.mount.sag_m = between(s, 120e-6, 300e-6);
+    }
     // A vibrometer's trace says nothing of it: it is measured before.
     if signal == Signal::Resistance {
         wire.austenite_ratio = between(s, 0.8, 0.95);
@@ -34,16 +37,14 @@ fn hidden(signal: Signal, s: &mut RandomStream) -> Subject {
     Subject {
         wire,
         tissue: TissueParameters::DEFAULT,
-        gain: between(s, 2.4, 9.0),
         start_c: 33.0,
     }
 }
 
 fn assumed() -> Subject {
     Subject {
-        wire: WireParameters::FINAL.loose(),
+        wire: WireParameters::FINAL,
         tissue: TissueParameters::DEFAULT,
-        gain: 5.0,
         start_c: 33.0,
     }
 }
@@ -133,7 +134,7 @@ fn hidden_figures_of_a_resistance_lie_in_their_intervals() {
 fn what_a_trace_does_not_show_is_not_stated() {
     let mut s = RandomStream::new(1, "identify");
     let taut = Subject {
-        wire: WireParameters::FINAL,
+        wire: WireParameters::FINAL.taut(),
         ..assumed()
     };
     let mut samples = trace(&taut, Signal::Displacement, 0.05, &mut s);

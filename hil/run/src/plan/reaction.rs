@@ -92,8 +92,11 @@ pub fn reaction(setup: &Setup, projector: &Projector) -> Result<Reaction, Failur
             felt_s = felt.filter(|f| f.levels.felt()).map(|_| at_s);
         }
     }
-    let half = path.iter().fold(0.0_f64, |most, (_, um)| most.max(*um)) / 2.0;
-    let moved = path.iter().find(|(_, um)| *um >= half);
+    let half = path
+        .iter()
+        .fold(0.0_f64, |most, (_, um)| most.max(um.abs()))
+        / 2.0;
+    let moved = path.iter().find(|(_, um)| um.abs() >= half);
     Ok(Reaction {
         moved_s: moved.map_or(0.0, |(at_s, _)| *at_s),
         felt_s,

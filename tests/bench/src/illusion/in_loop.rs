@@ -29,31 +29,31 @@ pub(super) struct Drive {
     ma: Option<f64>,
     /// Files of its wires: loose, taut.
     pub(super) wires: [&'static str; 2],
-    /// Error on a path that is a law's own, mm RMSE at most; none is required of a bench between.
+    /// Error on a path that is a law's own, mm RMSE at most; none is required of the weaker.
     law_mm: Option<f64>,
 }
 
-/// The default bench, the published drive, and one between.
+/// The default bench, the published drive, and one weaker than the default.
 pub(super) const DRIVES: [Drive; 3] = [
     Drive {
         name: "default",
         file: "emulated",
         ma: None,
-        wires: ["loose-8mm", "taut"],
+        wires: ["passed-50um", "taut"],
         law_mm: Some(0.8),
     },
     Drive {
-        name: "1.4 A",
+        name: "1.0 A",
         file: "emulated",
-        ma: Some(1400.0),
-        wires: ["loose-8mm", "taut"],
+        ma: Some(1000.0),
+        wires: ["passed-50um", "taut"],
         law_mm: None,
     },
     Drive {
         name: "thesis",
         file: "thesis",
         ma: None,
-        wires: ["loose", "taut"],
+        wires: ["final-75um", "taut"],
         law_mm: Some(1.0),
     },
 ];

@@ -17,7 +17,7 @@ fn a_person_feels_what_the_probes_meet_less_the_thresholds() {
     let case = Case {
         law: IllusionModel::Phantom,
         drive: DRIVES[2],
-        wires: "loose",
+        wires: "final-75um",
         scene: "sphere-across",
     };
     let played = case.play(1).unwrap();
@@ -51,7 +51,7 @@ fn own_scenes_are_felt_and_the_worst_seed_is_kept() {
         let case = Case {
             law: IllusionModel::Balanced,
             drive: DRIVES[2],
-            wires: "loose",
+            wires: "final-75um",
             scene,
         };
         let map = *build(&case.setup().unwrap(), 1, Levels::Off).unwrap().map();

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use palpate_core::physics::{Hysteresis, ParameterError, TissueParameters, WireParameters};
+use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
 
-use super::train::{Bursts, Case, START_C, ms};
+use super::train::{Bursts, Case, START_C, WIRE, ms};
 use crate::findings::Findings;
 use crate::timing::Race;
 
@@ -30,11 +30,6 @@ struct Load {
 }
 
 fn loads() -> Result<Vec<Load>, ParameterError> {
-    let play = WireParameters::FINAL;
-    let five = Hysteresis::Plays {
-        count: 5,
-        narrowest: 0.2,
-    };
     let load = |name, wire, edges, target_us| Load {
         name,
         wire,
@@ -42,7 +37,7 @@ fn loads() -> Result<Vec<Load>, ParameterError> {
         target_us,
     };
     let end = ms(1000 * SECONDS);
-    let (held, held_plays) = (Case::held(Hysteresis::Play, end)?, Case::held(five, end)?);
+    let held = Case::held(end)?;
     let all = |case: &Case| -> Edges {
         let each = |&(at, watts): &(Nanos, f64)| (0..WIRES).map(move |wire| (at, wire, watts));
         case.edges.iter().flat_map(each).collect()
@@ -50,11 +45,11 @@ fn loads() -> Result<Vec<Load>, ParameterError> {
     Ok(vec![
         load(
             "8 wires, 1 s, round-robin",
-            play,
+            WIRE,
             bursts(false),
             Some(300.0),
         ),
-        load("8 wires, 1 s, all in every burst", play, bursts(true), None),
+        load("8 wires, 1 s, all in every burst", WIRE, bursts(true), None),
         load(
             "8 wires, 1 s, phase-cycling at every pulse",
             held.wire,
@@ -62,9 +57,9 @@ fn loads() -> Result<Vec<Load>, ParameterError> {
             Some(3000.0),
         ),
         load(
-            "8 wires, 1 s, phase-cycling at every pulse, five plays",
-            held_plays.wire,
-            all(&held_plays),
+            "8 wires, 1 s, all in every burst, loose in their bows",
+            WireParameters::FINAL,
+            bursts(true),
             None,
         ),
     ])

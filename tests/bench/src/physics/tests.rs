@@ -12,7 +12,7 @@ use palpate_emulators::time::Nanos;
 
 use super::methods::Method;
 use super::peers::Kind;
-use super::train::{Bursts, Case, Nodes, PULSE_W, START_C, ms, pwm};
+use super::train::{Bursts, Case, Nodes, PULSE_W, START_C, WIRE, ms, pwm};
 
 /// Two bursts with a pause between them: the wire transforms in each.
 fn course(method: Method) -> Vec<Nodes> {
@@ -54,7 +54,7 @@ type Map = SMatrix<f64, SIDE, SIDE>;
 /// The state after so many periods by the same affine map from another library: nalgebra's matrix exponential of both
 /// parts of a period, raised to the number of periods by squaring.
 fn reference(count: u64) -> Nodes {
-    let wire = WireParameters::FINAL;
+    let wire = WIRE;
     let network = ThermalNetwork::new(&wire, &TissueParameters::DEFAULT).unwrap();
     let (period, pulse) = pwm();
     let map = |watts: f64, span: Nanos| {
@@ -98,8 +98,7 @@ fn drift(solver: &Exact, count: u64) -> f64 {
 #[test]
 fn an_hour_does_not_drift() {
     let (period, pulse) = pwm();
-    let mut walked =
-        Exact::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, START_C).unwrap();
+    let mut walked = Exact::new(&WIRE, &TissueParameters::DEFAULT, START_C).unwrap();
     let on = WireDrive::Power(PULSE_W * PART);
     let hour = 3600 * 1_000_000_000 / period.0;
     for i in 0..hour {
@@ -136,7 +135,7 @@ fn one_call_of_a_general_solver_over_a_burst_misses_its_pulses_and_reports_succe
     let case = Case {
         wire: WireParameters {
             latent_heat: 0.0,
-            ..WireParameters::FINAL
+            ..WIRE
         },
         edges: Bursts::round_robin(end).edges(),
         end,

@@ -1,6 +1,6 @@
 //! What is computed: a wire on a finger, and the edges of the power that heats it.
 
-use palpate_core::physics::{Alloy, Hysteresis, ParameterError, TissueParameters, WireParameters};
+use palpate_core::physics::{Alloy, Mechanics, ParameterError, TissueParameters, WireParameters};
 use palpate_core::units::Prescale;
 use palpate_emulators::display::finger::NODES;
 use palpate_emulators::display::wire::Wire;
@@ -88,7 +88,7 @@ impl Case {
         let end = ms(10_000);
         Self {
             name: "round-robin",
-            wire: WireParameters::FINAL,
+            wire: WIRE,
             skin: TissueParameters::DEFAULT,
             edges: Bursts::round_robin(end).edges(),
             end,
@@ -101,19 +101,18 @@ impl Case {
     /// # Errors
     /// A parameter that cannot be computed with.
     pub fn phase_cycling() -> Result<Self, ParameterError> {
-        Self::held(Hysteresis::Play, ms(1000))
+        Self::held(ms(1000))
     }
 
-    /// The same by a law of hysteresis, for so long.
+    /// Holds a wire half transformed for so long.
     ///
     /// # Errors
     /// A parameter that cannot be computed with.
-    pub fn held(hysteresis: Hysteresis, end: Nanos) -> Result<Self, ParameterError> {
+    pub fn held(end: Nanos) -> Result<Self, ParameterError> {
         let skin = TissueParameters::DEFAULT;
         let wire = WireParameters {
             alloy: NARROW,
-            hysteresis,
-            ..WireParameters::FINAL
+            ..WIRE
         };
         Ok(Self {
             name: "phase-cycling",
@@ -148,6 +147,27 @@ fn hold(
     Ok(edges)
 }
 
+/// The final module's wire at its vendor's stress, without strains: nothing changes its stress, and only heat is compared.
+pub const WIRE: WireParameters = WireParameters {
+    alloy: Alloy {
+        austenite_start_c: 68.0,
+        austenite_finish_c: 78.0,
+        martensite_start_c: 52.0,
+        martensite_finish_c: 42.0,
+        reference_stress_pa: 172e6,
+        ..Alloy::LOW
+    },
+    mechanics: Mechanics {
+        transformation_strain: 0.0,
+        expansion_austenite: 0.0,
+        expansion_martensite: 0.0,
+        ..Mechanics::DEFAULT
+    },
+    bias_stress_pa: 172e6,
+    r_phase: None,
+    ..WireParameters::FINAL
+};
+
 /// Austenite 90 to 91 C, martensite 89.5 to 88.5 C: no wire that is sold. Ripple crosses it both ways at every pulse, and
 /// the latent heat keeps the temperature there.
 const NARROW: Alloy = Alloy {
@@ -155,5 +175,6 @@ const NARROW: Alloy = Alloy {
     austenite_finish_c: 91.0,
     martensite_start_c: 89.5,
     martensite_finish_c: 88.5,
+    reference_stress_pa: 172e6,
     ..Alloy::LOW
 };

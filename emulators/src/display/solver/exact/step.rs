@@ -55,8 +55,7 @@ impl Exact {
     #[inline(always)]
     fn glance_within<S: Simd>(&self, simd: S, span: Nanos) -> Option<[f64; 2]> {
         let (span, t) = (span.as_secs_f64(), self.wire_c());
-        let mut branch = self.phase.branch(t, self.heading);
-        self.reach(t, &mut branch);
+        let branch = self.phase.branch();
         let heat = self.heat(t, &branch);
         let mode = &self.modes[self.mode];
         let key = ModeKey {
@@ -86,8 +85,8 @@ impl Exact {
         for round in 0.. {
             let t = self.wire_c();
             let place = at.take().unwrap_or(t);
-            let mut branch = self.phase.branch(place, self.heading);
-            self.touch(place, &mut branch);
+            let branch = self.phase.branch();
+            self.touch(place);
             let heat = self.heat(t, &branch);
             self.enter(ModeKey {
                 latent: branch.latent,

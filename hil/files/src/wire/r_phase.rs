@@ -1,71 +1,41 @@
-//! What transforms in a wire beside its martensite.
+//! The R phase of a wire.
 
-use palpate_core::physics::{Alloy, DEEPEST, MOST_BESIDE, Play};
+use palpate_core::physics::{Alloy, RPhase};
 use serde::Deserialize;
 
-use super::error::FileError;
-use super::settings::bounds;
-use super::source::Source;
+use super::WireFile;
+use crate::error::FileError;
+use crate::settings::bounds;
+use crate::source::Source;
 
-/// A share of a wire that transforms by bands of its own.
+/// The R phase: austenite cools to it, and it cools to martensite.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct PlayEntry {
-    /// Heating: it begins to turn, degrees C at the reference stress.
+pub struct RPhaseEntry {
+    /// Heating: R begins to turn to austenite, degrees C at the reference stress.
     pub heating_start_c: f64,
-    /// Heating: all of it has turned, degrees C.
+    /// Heating: all R is austenite, degrees C.
     pub heating_finish_c: f64,
-    /// Cooling: it begins to turn back, degrees C.
+    /// Cooling: R begins to form, degrees C.
     pub cooling_start_c: f64,
-    /// Cooling: all of it has turned back, degrees C.
+    /// Cooling: all austenite is R, degrees C.
     pub cooling_finish_c: f64,
     /// Stress at which these hold, MPa; left out: 0.
     #[serde(default)]
     pub reference_stress_mpa: f64,
     /// Rise of the stress that moves them by a kelvin, MPa/K.
     pub stress_mpa_k: f64,
-    /// Strain of the whole share, cold against hot; positive is longer.
+    /// Strain of a wire that is all R, against austenite; positive is longer.
     pub strain: f64,
-    /// Latent heat of the whole share, J/kg of wire.
+    /// Latent heat of a wire that is all R, against austenite, J/kg.
     pub latent_heat_j_kg: f64,
 }
 
-/// Strain that bends a straight wire as deep as a bow may be: sag (2/pi) L sqrt(strain).
-const MOST_STRAIN: f64 = {
-    let slope = DEEPEST * core::f64::consts::FRAC_PI_2;
-    slope * slope
-};
-
-/// All plays of a wire, and the strains of all phases together.
-pub(super) fn check_plays(
-    source: &Source,
-    plays: &[PlayEntry],
-    martensite: f64,
-) -> Result<(), FileError> {
-    if plays.len() > MOST_BESIDE {
-        let expected = format!("at most {MOST_BESIDE} plays beside the martensite");
-        return Err(source.bad_found("plays", expected, plays.len().to_string()));
-    }
-    let (mut strain, mut last) = (martensite, "mechanical.transformation_strain".to_owned());
-    for (index, play) in plays.iter().enumerate() {
-        play.check(source, index)?;
-        strain += play.strain.abs();
-        last = format!("plays[{index}].strain");
-    }
-    if strain > MOST_STRAIN {
-        let expected = format!(
-            "strains of all phases that come to {MOST_STRAIN:.4} at most: more bends a wire deeper than {DEEPEST} of its length"
-        );
-        return Err(source.bad_found(&last, expected, format!("{strain:.4} in all")));
-    }
-    Ok(())
-}
-
-impl PlayEntry {
-    /// As the model takes it.
-    pub(super) fn play(&self) -> Play {
-        Play {
+impl RPhaseEntry {
+    /// Makes the R phase as the model takes it.
+    pub(super) fn parameters(&self) -> RPhase {
+        RPhase {
             bands: Alloy {
                 austenite_start_c: self.heating_start_c,
                 austenite_finish_c: self.heating_finish_c,
@@ -74,15 +44,18 @@ impl PlayEntry {
                 stress_per_kelvin: self.stress_mpa_k * 1e6,
                 reference_stress_pa: self.reference_stress_mpa * 1e6,
             },
-            martensite: 0.0,
             strain: self.strain,
             latent_heat: self.latent_heat_j_kg,
         }
     }
 
-    fn check(&self, source: &Source, index: usize) -> Result<(), FileError> {
-        let key = format!("plays[{index}]");
-        bounds!(source, &key, self;
+    /// Checks the bands, and that the R phase of `wire` lies between its austenite and martensite.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub(super) fn check(&self, source: &Source, wire: &WireFile) -> Result<(), FileError> {
+        let key = "r_phase";
+        bounds!(source, key, self;
             heating_start_c: -200.0..=1000.0, "C";
             heating_finish_c: -200.0..=1000.0, "C";
             cooling_start_c: -200.0..=1000.0, "C";
@@ -120,10 +93,10 @@ impl PlayEntry {
                 return Err(source.bad(&format!("{key}.{name}"), format!("{expected}: {bound}")));
             }
         }
-        bounds!(source, &key, self;
+        bounds!(source, key, self;
             reference_stress_mpa: 0.0..=2000.0, "MPa";
             stress_mpa_k: 0.1..=100.0, "MPa/K";
-            strain: -MOST_STRAIN..=MOST_STRAIN;
-            latent_heat_j_kg: 0.0..=1e5, "J/kg")
+            strain: 0.0..=wire.mechanical.transformation_strain, "of its length: martensite's, which R turns to";
+            latent_heat_j_kg: 0.0..=wire.thermal.latent_heat_j_kg, "J/kg: the martensite's")
     }
 }
