@@ -1,4 +1,4 @@
-//! What the limits leave of one stimulus: pulse width, burst, supply, energy and heat, in this order.
+//! The limits applied to one stimulus: pulse width, burst, supply, energy and heat, in this order.
 
 use crate::schedule::{Reason, Stimulus, stagger};
 use crate::units::{Channel, Duration, Instant, Milliamps, Ticks};
@@ -9,13 +9,13 @@ use super::{Guard, Running, Setting};
 /// A burst leaves this part of what is left of a budget, one in four: what rests fades.
 const FADE: u64 = 4;
 
-/// What is left of a stimulus.
+/// The part of a stimulus that the limits pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Passed {
     pub(super) width: Ticks,
     pub(super) until: Instant,
     pub(super) reason: Option<Reason>,
-    /// What its amplifier shall be set to; `None` where that has a current of its own.
+    /// Current that the amplifier shall be set to; `None` where the amplifier has a current of its own.
     pub(super) current: Option<Milliamps>,
     /// Electrical energy to book for it, nJ.
     energy_nj: u64,
@@ -35,13 +35,13 @@ impl Burst {
         self.end
     }
 
-    /// How far it has come at `now`.
+    /// The end of the burst so far: `now`, or the end of its last stimulus if that came before.
     pub(super) fn until(&self, now: Instant) -> Instant {
         self.end.min(now)
     }
 }
 
-/// What a burst may take of what is left.
+/// The share of a budget's remainder that one burst may take: three quarters, rounded down.
 pub(super) const fn faded(left: u64) -> u64 {
     left - left.div_ceil(FADE)
 }
@@ -77,7 +77,7 @@ impl Guard {
         }
     }
 
-    /// What the limits leave of a stimulus; nothing is booked.
+    /// Judges a stimulus against every limit and books nothing.
     fn judge(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let commanded = self.commanded(index, at, s);
         let current = commanded.map(|(current, _)| current);
@@ -170,8 +170,8 @@ impl Guard {
         (burst.start + self.limits.burst) - self.burst_slack()
     }
 
-    /// Whether the burst row passes a stimulus of this wire whole. Who asks first can let a wire rest that would
-    /// be cut off; what is driven in the end, [`Self::admit`] alone says.
+    /// Returns true if the burst row passes a stimulus of this wire whole. A renderer that asks first can rest a wire
+    /// that would be cut off. [`Self::admit`] alone decides what is driven.
     pub fn has_time(&self, wire: usize, at: Instant, until: Instant) -> bool {
         wire < self.wires.len() && until <= self.latest(&self.burst_at(wire, at))
     }
@@ -256,15 +256,15 @@ impl Guard {
         }
     }
 
-    /// How much longer a burst may be, and its gap shorter, than asked: a pulse and the bus.
+    /// Time by which a burst may exceed its request, and its gap fall short of it: one pulse and the bus.
     fn burst_slack(&self) -> Duration {
         Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + self.plant.switching()
     }
 
-    /// Whether the supply bears wire `index` set as given beside all that is on.
+    /// Returns true if the supply bears wire `index` set as given beside all that is on.
     ///
-    /// What is on has passed here, so the supply bears that. A pulse that overlaps none of its board leaves the
-    /// board's peak as it is, if any other pulse is on there.
+    /// The supply bears every wire that is on, because each one passed here. A pulse that overlaps no other on its
+    /// board leaves the board's peak unchanged, if any other pulse is on there.
     pub(super) fn supply_bears(&self, index: usize, setting: Setting) -> bool {
         let board = self.wires[index].place.0;
         let on_board = self.wires.iter().filter(|w| w.place.0 == board);
@@ -280,7 +280,8 @@ impl Guard {
         peak <= u64::from(self.limits.supply.0)
     }
 
-    /// Whether the supply bears a wire's widest pulse beside the boards that are on, its own being off.
+    /// Returns true if the supply bears a wire's widest pulse beside the other boards that are on, its own board
+    /// being off.
     pub(super) fn supply_is_free(&self, index: usize) -> bool {
         let (board, channel) = self.wires[index].place;
         let (on, off) = stagger(Channel(channel), self.widest());

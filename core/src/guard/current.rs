@@ -14,14 +14,14 @@ use super::{Guard, Plant, PlantError};
 /// Parts per million of a whole.
 const MILLION: u64 = 1_000_000;
 
-/// What amplifiers make of the current that they are set to.
+/// Amplifiers whose current is set: full scale and the bounds of their error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CurrentControl {
     /// The current at the converter's full scale: the most that can be asked for.
     pub full_scale: Milliamps,
-    /// How much more than was asked for may flow, parts per million of it.
+    /// Bound of the gain's error: the excess over the commanded current, parts per million.
     pub gain_ppm: u32,
-    /// And how much more beside that.
+    /// Bound of the offset: the excess that is added to the gain's error.
     pub offset: Milliamps,
 }
 
@@ -36,29 +36,29 @@ impl CurrentControl {
     }
 }
 
-/// What a guard keeps of such amplifiers.
+/// State that a guard keeps of amplifiers whose current is set.
 #[derive(Clone, Debug)]
 pub(super) struct Settable {
     control: CurrentControl,
-    /// By wire: what the driver has read back; `None` where that is unknown.
+    /// Current that the driver has read back, by wire; `None` where that is unknown.
     confirmed: Box<[Option<Milliamps>]>,
 }
 
 impl Settable {
-    /// What the driver has read back last of a wire's amplifier.
+    /// The current that the driver last read back from a wire's amplifier.
     fn confirmed(&self, wire: usize) -> Option<Milliamps> {
         self.confirmed.get(wire).copied().flatten()
     }
 
-    /// What an amplifier may be set to of which this is confirmed.
+    /// The most that an amplifier may be set to: the confirmed current, or full scale where none is confirmed.
     fn set(&self, confirmed: Option<Milliamps>) -> Milliamps {
         confirmed.unwrap_or(self.control.full_scale)
     }
 }
 
 impl Guard {
-    /// The same before amplifiers whose current is set. The plant's current becomes the most that they can give, where it
-    /// is less: the rows of the supply and all budgets count with it.
+    /// Puts the guard before amplifiers whose current is set. The plant's current becomes the most that they can
+    /// give, if that is more: the rows of the supply and all budgets count with it.
     ///
     /// # Errors
     /// When no wire can have such a current.
@@ -75,7 +75,7 @@ impl Guard {
         Ok(self)
     }
 
-    /// Whether the amplifiers' current is set.
+    /// The amplifiers' bounds, if their current is set.
     pub fn current_control(&self) -> Option<&CurrentControl> {
         self.settable.as_ref().map(|settable| &settable.control)
     }
@@ -99,7 +99,7 @@ impl Guard {
         }
     }
 
-    /// Nothing is known of any current.
+    /// Forgets every current that was confirmed.
     pub(super) fn forget_currents(&mut self) {
         if let Some(settable) = &mut self.settable {
             settable.confirmed.fill(None);
@@ -132,7 +132,7 @@ impl Guard {
         self.counting_after(confirmed, commanded)
     }
 
-    /// The same of any wire of whose amplifier this is confirmed before.
+    /// The plant by which a stimulus of this current counts on any wire whose amplifier had `confirmed` before.
     pub(super) fn counting_after(
         &self,
         confirmed: Option<Milliamps>,

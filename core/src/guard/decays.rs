@@ -20,14 +20,14 @@ pub(super) const RATES: Decays = {
     rates
 };
 
-/// What a stretch of time does to the decays.
+/// The effect of a stretch of time on the decays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) span: Duration,
     pub(super) seconds: f64,
-    /// Of energy from before: what is left of it.
+    /// Share that is left of energy from before the stretch.
     left: Decays,
-    /// Of energy spread over the stretch: what is left of it at the end.
+    /// Share that is left at the end of energy spread over the stretch.
     pub(super) kept: Decays,
 }
 
@@ -109,14 +109,14 @@ pub(super) struct Sums<const N: usize> {
 }
 
 impl<const N: usize> Sums<N> {
-    /// From the coefficients of each sum.
+    /// Sums with the coefficients of each.
     pub(super) fn new(rows: [Decays; N]) -> Self {
         Self {
             columns: core::array::from_fn(|k| rows.map(|row| row[k])),
         }
     }
 
-    /// What they make of `energy`.
+    /// Evaluates every sum for `energy`.
     pub(super) fn of(&self, energy: &Decays) -> [f64; N] {
         let mut sums = [0.0; N];
         for (column, energy) in self.columns.iter().zip(energy) {

@@ -16,8 +16,7 @@ pub struct Doses {
 }
 
 impl Doses {
-    /// So much dose left lasts for [`HORIZON_S`] at `mc` millidegrees C, and a thousandth more, which no rounding
-    /// takes.
+    /// Dose that lasts for [`HORIZON_S`] at `mc` millidegrees C, plus a thousandth that covers rounding.
     pub(super) fn ample(mc: u64) -> Self {
         let rates = Rates::at(mc as f64 * 1e-3);
         Self {
@@ -52,8 +51,8 @@ struct Rates {
 }
 
 impl Rates {
-    /// At `t` degrees C. CEM43 is continued below 39 C, where it is zero, with the law from above: it is
-    /// convex then, and a millionth a minute at rest.
+    /// Rates at `t` degrees C. Below 39 C, where CEM43 is zero, the law is continued from above: it is convex then,
+    /// and a millionth a minute at rest.
     fn at(t: f64) -> Self {
         let exponent = HENRIQUES_EA / (GAS_CONSTANT * (t + ZERO_CELSIUS_K));
         let above = t - 43.0; // below 43 C a degree halves the rate twice
@@ -66,12 +65,12 @@ impl Rates {
 }
 
 impl Dose {
-    /// None so far, with skin at `t` degrees C.
+    /// No dose so far, with skin at `t` degrees C.
     pub(super) fn new(t: f64) -> Self {
         Self::of(Doses::default(), t)
     }
 
-    /// So much so far, with skin at `t` degrees C.
+    /// A dose of `doses` so far, with skin at `t` degrees C.
     pub(super) fn of(doses: Doses, t: f64) -> Self {
         Self {
             omega: doses.omega,
@@ -97,7 +96,7 @@ impl Dose {
         self.rates = after;
     }
 
-    /// What lasts for [`HORIZON_S`] at the present temperature: with less left, a burst that ends so is too warm.
+    /// Dose that lasts for [`HORIZON_S`] at the present temperature. A burst that ends with less left is too warm.
     pub(super) const fn kept_back(&self) -> Doses {
         Doses {
             omega: HORIZON_S * self.rates.omega,
@@ -105,7 +104,8 @@ impl Dose {
         }
     }
 
-    /// Whether more than `least` is left of both doses: [`Self::ceiling_c`] takes two logarithms to tell.
+    /// Returns true if more than `least` is left of both doses. The comparison saves the two logarithms of
+    /// [`Self::ceiling_c`].
     pub(super) fn leaves(&self, limits: &Doses, least: &Doses) -> bool {
         limits.omega - self.omega > least.omega
             && limits.cem43_min - self.cem43_min > least.cem43_min

@@ -40,14 +40,14 @@ impl Default for WornWire {
     }
 }
 
-/// What a joule does to the tissue under one wire, and what that is without.
+/// The effect of a joule on the tissue under one wire, and that tissue at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kernel {
     /// Tissue at rest, degrees C.
     pub(super) rest_c: f64,
-    /// What each decay of a joule makes at 0.1 mm, K/J.
+    /// Temperature that a joule's share in each decay makes at 0.1 mm, K/J.
     pub(super) shallow: Decays,
-    /// The same at 0.4 mm.
+    /// Temperature that a joule's share in each decay makes at 0.4 mm, K/J.
     pub(super) deep: Decays,
 }
 
@@ -70,7 +70,7 @@ impl WornWire {
         }
     }
 
-    /// Whether the guard has rows of heat for it.
+    /// Checks that the guard has rows of heat for this wire.
     ///
     /// # Errors
     /// The figure that lies outside what the table was made for.
@@ -87,10 +87,10 @@ impl WornWire {
         Ok(())
     }
 
-    /// Its rows.
+    /// Interpolates the wire's rows of heat.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// The errors of [`Self::check`].
     pub(super) fn kernel(&self) -> Result<Kernel, PlantError> {
         self.check()?;
         let over = UNIT_UM / f64::from(self.length_um);

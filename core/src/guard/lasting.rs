@@ -1,4 +1,4 @@
-//! How long a session may last: when the dose row would begin to fade bursts that come over and over.
+//! The length that a session may last before the dose row begins to fade bursts that come over and over.
 //!
 //! The tissue's memory is linear: after m rounds of the same bursts each decay holds its energy of one round times a
 //! geometric sum. So a day of rounds is told from a few dozen of them, at the temperatures by which the guard decides.
@@ -19,9 +19,9 @@ const STRIDE: Duration = Duration::from_millis(125);
 /// A burst on one wire, as the guard books it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Booked {
-    /// When the wire goes on.
+    /// Time at which the wire goes on.
     pub on: Instant,
-    /// When it is off at the latest.
+    /// Latest time at which it is off.
     pub off: Instant,
     /// Electrical energy, nJ, from above over all oscillators.
     pub energy_nj: u64,
@@ -29,13 +29,13 @@ pub struct Booked {
 
 /// One round of bursts.
 struct Round {
-    /// What each decay holds at its end.
+    /// Energy that each decay holds at the end of the round, J.
     energy: Decays,
     /// Dose of this round alone.
     dose: Dose,
-    /// With less left than this, the guard would make the mean burst weaker.
+    /// Dose below which the guard would make the mean burst weaker.
     kept: Doses,
-    /// What tissue is without a wire's heat, K above skin at rest.
+    /// Temperature of the tissue without a wire's heat, K above skin at rest.
     rest_k: f64,
     kernel: Kernel,
 }
@@ -100,8 +100,8 @@ impl Round {
 }
 
 impl Guard {
-    /// How the entries of one wire are booked, in order of time, where they come over and over. Of amplifiers whose current is
-    /// set, each entry that goes on confirms its own.
+    /// Books the entries of one wire, in order of time, as if they came over and over. Where amplifiers have their
+    /// current set, each entry that goes on confirms its own.
     pub fn booked<'a>(
         &self,
         entries: impl DoubleEndedIterator<Item = &'a Entry> + Clone,
@@ -122,9 +122,12 @@ impl Guard {
         })
     }
 
-    /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
-    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes `most`
-    /// or longer, and without thermal rows. Tissue is taken to be as warm by a face as it ever was. Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
+    /// Returns how long a session from rest may last in which a wire has these bursts, in order of time, again every
+    /// `period`. It ends when so little of the dose is left that the guard would weaken the mean burst.
+    ///
+    /// Returns `None` if that takes `most` or longer, and for a guard without thermal rows. The tissue counts as warm
+    /// as a face has ever made it. Other rows are left out. The period counts from the first burst; one that is
+    /// shorter than all bursts is made as long as they are.
     pub fn lasts(&self, bursts: &[Booked], period: Duration, most: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;

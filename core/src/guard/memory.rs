@@ -1,5 +1,5 @@
-//! What outlives a guard: heat and dose of the tissue, and what power was spent, in a state of constant size. A guard that
-//! goes on from it has the limits that one long run would have.
+//! State that outlives a guard: heat and dose of the tissue and the power that was spent, in constant size. A guard
+//! that goes on from it has the limits that one long run would have.
 //!
 //! A burst is left out: none is on between two runs.
 
@@ -21,23 +21,23 @@ const AHEAD: Duration = Duration::from_millis(60_000);
 /// No energy, temperature or dose is larger than this, in any of the units here.
 const MOST: f64 = 1e6;
 
-/// What outlives a guard. By default nothing was ever driven.
+/// State that outlives a guard. The default is a display that was never driven.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
-    /// By wire, in the display's order.
+    /// Memory of each wire, in the display's order.
     pub wires: Box<[WireMemory]>,
-    /// Of the fingertip's mean power.
+    /// Energy spent of the fingertip's mean power.
     pub tip: Spent,
-    /// How much warmer than skin at rest the face of a Peltier module was at most in the last seconds, K.
+    /// The most by which the face of a Peltier module was warmer than skin at rest in the last seconds, K.
     pub face_k: f64,
 }
 
 /// Heat, dose and power of one wire.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WireMemory {
-    /// When this holds, in the time of [`Self::at`].
+    /// Time of this state, in the time of [`Self::at`].
     pub now: Instant,
-    /// What is booked lies before this.
+    /// The time up to which everything is booked.
     pub at: Instant,
     /// Energy that each decay of the tissue still feels, J.
     pub energy_j: [f64; DECAYS],
@@ -47,7 +47,7 @@ pub struct WireMemory {
     pub doses: Doses,
     /// No tissue was warmer, degrees C, whatever the energies say; `None` where they say how warm it was.
     pub most_c: Option<f64>,
-    /// Of the wire's mean power.
+    /// Energy spent of the wire's mean power.
     pub power: Spent,
 }
 
@@ -84,10 +84,10 @@ impl WireMemory {
         }
     }
 
-    /// Whether a guard can have written it.
+    /// Checks that a guard can have written it.
     ///
     /// # Errors
-    /// [`MemoryError`] when not.
+    /// [`MemoryError`] if no guard can have.
     pub fn check(&self) -> Result<(), MemoryError> {
         let doses = [self.doses.omega, self.doses.cem43_min];
         let figures = self.energy_j.iter().chain(&self.bins_ks).chain(&doses);
@@ -97,7 +97,7 @@ impl WireMemory {
     }
 }
 
-/// Whether this is a figure of heat. Not a number is none.
+/// Returns true for a figure of heat: finite, not negative and at most [`MOST`].
 fn is_figure(figure: &f64) -> bool {
     (0.0..=MOST).contains(figure)
 }
@@ -122,7 +122,7 @@ impl Memory {
 }
 
 impl Tissue {
-    /// What outlives it, as of `at` of its run.
+    /// The wire's state as of `at` of its run.
     fn memory(&self, at: Instant, power: Spent) -> WireMemory {
         WireMemory {
             now: at + self.begun,
@@ -185,7 +185,7 @@ impl Tissue {
 }
 
 impl Guard {
-    /// What outlives it, as of `at`.
+    /// The guard's state as of `at`.
     pub fn memory(&self, at: Instant) -> Memory {
         self.recorded(at, |wire, tissue| {
             tissue.memory(at, self.wires[wire].power.spent(at))
@@ -214,7 +214,7 @@ impl Guard {
         }
     }
 
-    /// What outlives it as of `at`, wire by wire.
+    /// The guard's state as of `at`, wire by wire.
     fn recorded(&self, at: Instant, of: impl Fn(usize, &Tissue) -> WireMemory) -> Memory {
         // Without thermal rows nothing is known of any tissue.
         let unknown = Tissue::new(REST_C);

@@ -51,7 +51,7 @@ use power::{Bucket, Window};
 use thermal::Heat;
 use watchdog::Watchdog;
 
-/// What one channel shall do from now on.
+/// The setting of one channel from now on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// Tick at which the pulse starts in each period.
@@ -66,7 +66,7 @@ impl Setting {
         self.off.saturating_sub(self.on)
     }
 
-    /// Whether the pulses of two channels of one board are never on together.
+    /// Returns true if the pulses of two channels of one board are never on together.
     const fn is_apart(&self, other: &Self) -> bool {
         self.off <= other.on || other.off <= self.on
     }
@@ -84,14 +84,14 @@ pub struct Guarded {
     at: Instant,
     board: Board,
     channels: [Option<Setting>; 16],
-    /// When each channel that goes on ends.
+    /// End of each channel that goes on.
     ends: [Instant; 16],
-    /// What the amplifier of each channel that goes on shall be set to.
+    /// Current to which the amplifier of each channel that goes on shall be set.
     currents: [Milliamps; 16],
 }
 
 impl Guarded {
-    /// When the update is to take effect.
+    /// Time at which the update is to take effect.
     pub const fn at(&self) -> Instant {
         self.at
     }
@@ -111,8 +111,8 @@ impl Guarded {
         }
     }
 
-    /// What the amplifier of a channel that goes on shall be set to before, where its current is set: zero where it has
-    /// one of its own. `None` for a channel that does not go on.
+    /// Current to which the amplifier of a channel shall be set before the channel goes on; zero where the amplifier
+    /// has a current of its own. `None` for a channel that does not go on.
     pub fn current(&self, channel: u8) -> Option<Milliamps> {
         let setting = self.channels.get(usize::from(channel)).copied().flatten();
         let on = setting.filter(|setting| setting.on < setting.off);
@@ -125,13 +125,13 @@ impl Guarded {
         }
     }
 
-    /// When each channel that goes on will end, by number: what a driver far away must know beforehand. Of a channel that
-    /// goes off it is the time of the update.
+    /// End of each channel that goes on, by number: a driver far away must know it beforehand. A channel that goes
+    /// off has the time of the update.
     pub const fn ends(&self) -> &[Instant; 16] {
         &self.ends
     }
 
-    /// Whether any channel is to change.
+    /// Returns true if any channel is to change.
     pub fn changes(&self) -> bool {
         self.channels.iter().any(Option::is_some)
     }
@@ -142,15 +142,15 @@ impl Guarded {
     }
 }
 
-/// What the guard remembers of one wire.
+/// The guard's memory of one wire.
 #[derive(Clone, Debug)]
 struct WireState {
     place: (Board, u8),
     power: Bucket,
     burst: Option<Burst>,
-    /// What the channel does now.
+    /// The pulse that the channel is driven with now.
     now: Option<Running>,
-    /// What it did before, where it is not known to have ended.
+    /// The pulse before, where the guard does not know that it has ended.
     ending: Option<Ending>,
 }
 
@@ -159,7 +159,7 @@ struct WireState {
 struct Running {
     setting: Setting,
     since: Instant,
-    /// When it has to end.
+    /// Time at which the pulse has to end.
     until: Instant,
 }
 
@@ -182,9 +182,9 @@ pub struct Guard {
     settable: Option<Box<Settable>>,
     watchdog: Watchdog,
     overrun: Option<Overrun>,
-    /// Whether one was found since the latch was closed last.
+    /// True if an overrun was found since the latch was last closed.
     overran: bool,
-    /// What it passes drives emulated registers, whatever it says of it.
+    /// True while updates are observed only: they drive emulated registers, whatever the guard says of them.
     looks_on: bool,
 }
 
@@ -262,8 +262,7 @@ impl Guard {
         self.plant.prescale
     }
 
-    /// How much longer than its stimulus a channel may be on: what is left of a period at the slowest clock, and the
-    /// bus.
+    /// Time by which a channel may be on beyond its stimulus: the rest of a period at the slowest clock, and the bus.
     pub fn surplus(&self) -> Duration {
         self.plant.surplus()
     }
@@ -281,12 +280,12 @@ impl Guard {
         self.worn
     }
 
-    /// Whether it has the thermal rows.
+    /// Returns true if the guard has the thermal rows.
     pub const fn has_heat(&self) -> bool {
         self.heat.is_some()
     }
 
-    /// What it knows of the boards.
+    /// The boards as the guard knows them.
     pub const fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -296,17 +295,17 @@ impl Guard {
         self.watchdog.hear(at);
     }
 
-    /// When the newest sensor frame was received.
+    /// Time at which the newest sensor frame was received.
     pub const fn heard(&self) -> Option<Instant> {
         self.watchdog.heard()
     }
 
-    /// Whether no sensor frame has come for so long that nothing may be driven.
+    /// Returns true if no sensor frame has come for so long that nothing may be driven.
     pub fn is_stale(&self, now: Instant) -> bool {
         self.watchdog.is_stale(now)
     }
 
-    /// When sensor input becomes too old for anything to be driven.
+    /// Time at which sensor input becomes too old for anything to be driven.
     pub fn stale_at(&self) -> Instant {
         self.watchdog.deadline()
     }
@@ -322,7 +321,7 @@ impl Guard {
         }
     }
 
-    /// When sensor input becomes too old for what is driven; a latched guard has noticed.
+    /// Time at which sensor input becomes too old for what is driven; a latched guard has noticed.
     pub fn deadline(&self) -> Option<Instant> {
         let driven = self.next_expiry().is_some() && self.latched().is_none();
         driven.then(|| self.stale_at())
@@ -339,10 +338,10 @@ impl Guard {
         self.watchdog.latched()
     }
 
-    /// Whether frames come and the loop runs on time.
+    /// Checks that frames come and that the loop runs on time.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The cause for which nothing may be driven.
     pub fn ready(&self, now: Instant) -> Result<(), Cause> {
         self.watchdog.ready(now)
     }
@@ -374,7 +373,8 @@ impl Guard {
         self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// As [`Self::admit`], but wires without a stimulus go on as they are. A stimulus without width ends its wire.
+    /// Admits stimuli like [`Self::admit`], but wires without one go on unchanged. A stimulus without width ends its
+    /// wire.
     pub fn change(
         &mut self,
         at: Instant,
@@ -446,7 +446,7 @@ impl Guard {
         self.switch_off(at, board, |_, running| running.until <= at)
     }
 
-    /// When the next stimulus ends.
+    /// End of the next stimulus to end.
     pub fn next_expiry(&self) -> Option<Instant> {
         self.wires
             .iter()

@@ -7,7 +7,7 @@ use crate::units::{Board, Instant, Milliamps};
 
 use super::{Guard, Guarded, Setting};
 
-/// What the channels of one board shall do, as the guard saw it and did not judge. No driver takes it:
+/// Channel settings of one board that the guard observed and did not judge. No driver takes them:
 ///
 /// ```compile_fail,E0308
 /// # use palpate_core::{driver::Actuators, guard::Observed};
@@ -16,7 +16,7 @@ use super::{Guard, Guarded, Setting};
 /// }
 /// ```
 ///
-/// Nor is there a way to turn one into what a driver takes:
+/// Nothing turns them into an update that a driver takes:
 ///
 /// ```compile_fail,E0277
 /// # use palpate_core::guard::{Guarded, Observed};
@@ -42,15 +42,16 @@ impl Observed {
         &self.channels
     }
 
-    /// What the amplifier of each channel that goes on shall be set to before, by number, where its current is set.
+    /// Current to which the amplifier of each channel that goes on shall be set before, where its current is set.
     pub const fn currents(&self) -> &[Option<Milliamps>; 16] {
         &self.currents
     }
 }
 
 impl Guard {
-    /// As [`Self::admit`], but every stimulus stays as it is. Its entry has the reason for which it would have been
-    /// changed or refused. Heat, dose and energy are booked as they flow. `None` where no channel changes.
+    /// Books stimuli like [`Self::admit`], but leaves each unchanged. The entry names the reason for which `admit`
+    /// would have changed or refused it. Heat, dose and energy are booked as they flow. Returns `None` where no
+    /// channel changes.
     pub fn observe(
         &mut self,
         at: Instant,
@@ -81,7 +82,7 @@ impl Guard {
         self.confirm_currents(update.board, current);
     }
 
-    /// What the wires of an update's board do now, and the currents of those that it switches on.
+    /// The present settings of the wires of an update's board, and the currents of those that it switches on.
     fn observed(&self, update: &Guarded) -> Observed {
         let board = update.board();
         let mut currents = [None; 16];

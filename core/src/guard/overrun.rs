@@ -12,7 +12,7 @@ use super::{Guard, Guarded, Running};
 pub struct Overrun {
     /// The wire that was on for longest.
     pub wire: u16,
-    /// How long: from the beginning of its burst until it was known to be off, or as long as it is on so far.
+    /// Time from the beginning of its burst until it was known to be off, or until now if it still is on.
     pub on: Duration,
     /// The most electrical energy that was booked for such a burst, nJ.
     pub energy_nj: u64,
@@ -21,16 +21,16 @@ pub struct Overrun {
 /// A channel that was told to go off and is not known to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ending {
-    /// What it did; its end is how far it is booked.
+    /// The pulse that it was driven with; its end is the time up to which it is booked.
     was: Running,
     /// The beginning of its burst.
     since: Instant,
 }
 
 impl Guard {
-    /// How long a wire may be on, from the beginning of its burst until it is known to be off: a burst, and what a channel
-    /// may be on beyond its stimulus, [`Self::surplus`]. Within that nothing tells a burst that kept its limit from one
-    /// that passed it.
+    /// The longest that a wire may be on, from the beginning of its burst until it is known to be off: a burst and
+    /// the [`Self::surplus`] of a channel beyond its stimulus. Within that time nothing distinguishes a burst that
+    /// kept its limit from one that passed it.
     pub fn longest(&self) -> Duration {
         self.limits.burst + self.plant.surplus()
     }
@@ -40,7 +40,7 @@ impl Guard {
         self.overrun
     }
 
-    /// Whether one was found that no latch has followed: the outputs are to be switched off for
+    /// Returns true if an overrun was found that no latch has followed: the outputs are to be switched off for
     /// [`Cause::Overrun`](super::Cause::Overrun).
     pub const fn overran(&self) -> bool {
         self.overran
@@ -77,7 +77,7 @@ impl Guard {
         }
     }
 
-    /// What is not known to be off was on until `at`, and may still be.
+    /// Books every channel that is not known to be off as on until `at`; it may still be on.
     pub fn still_on(&mut self, at: Instant) {
         for index in 0..self.wires.len() {
             if let Some(mut ending) = self.wires[index].ending {
@@ -140,7 +140,7 @@ impl Guard {
         overdue
     }
 
-    /// Whether a wire that was on between two times was so for too long; that is kept.
+    /// Records an overrun if a wire was on between two times for too long, and returns true if so.
     fn weigh(&mut self, index: usize, since: Instant, until: Instant) -> bool {
         let on = until.since(since);
         if on <= self.longest() {

@@ -1,4 +1,4 @@
-//! What the guard must know of the hardware it protects, and what its pulses deliver at worst.
+//! The hardware that the guard protects, as far as it must know it, and the energy that its pulses deliver at worst.
 
 use super::kernel::WornWire;
 use crate::units::{Duration, Milliamps, Prescale, Ticks};
@@ -8,11 +8,11 @@ const SLOWEST_HZ: u64 = 23_000_000;
 /// Parts per million of a whole.
 const MILLION: u64 = 1_000_000;
 
-/// How much longer the bus may take to switch wires off than to switch one on: eight channels against one at
-/// 400 kbit/s, and as much again for the host.
+/// The most by which the bus delays switching wires off against switching one on: eight channels against one at 400
+/// kbit/s, and as much again for the host.
 const SWITCHING: Duration = Duration::from_micros(1000);
 
-/// What the guard must know of the hardware it protects.
+/// The hardware that a guard protects, as far as it must know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plant {
     /// PRE_SCALE of the boards.
@@ -21,7 +21,7 @@ pub struct Plant {
     pub wire_milliohm: u32,
     /// Current that the amplifiers give whenever a pulse is high; of those whose current is set, the most they can.
     pub peak: Milliamps,
-    /// How long transfers of other displays may hold one of these boards up, on a bus that they share; else zero.
+    /// The longest that transfers of other displays may hold up one of these boards on a shared bus; else zero.
     pub bus: Duration,
 }
 
@@ -70,10 +70,10 @@ pub enum PlantError {
 }
 
 impl Plant {
-    /// Whether these are figures that a wire can have.
+    /// Checks that a wire can have these figures.
     ///
     /// # Errors
-    /// [`PlantError`] when not.
+    /// [`PlantError`] if none can.
     pub(super) fn check(&self) -> Result<(), PlantError> {
         let plausible = |x: u32, most: u32| (1..=most).contains(&x);
         if plausible(self.wire_milliohm, 1_000_000) && plausible(self.peak.0, 100_000) {
@@ -83,7 +83,7 @@ impl Plant {
         }
     }
 
-    /// What heats more of both, board by board alike: the larger current, resistance and wait. The divider stays.
+    /// The worse of both, board by board alike: the larger current, resistance and wait. The divider stays.
     #[must_use]
     pub fn worse(self, other: &Self) -> Self {
         Self {
@@ -135,7 +135,7 @@ impl Plant {
         }
     }
 
-    /// How much longer the bus may take to switch wires off than to switch one on.
+    /// The most by which the bus delays switching wires off against switching one on.
     pub(super) fn switching(&self) -> Duration {
         SWITCHING + self.bus
     }
@@ -146,7 +146,7 @@ impl Plant {
         self.period() + self.period() + self.switching()
     }
 
-    /// How much longer than asked a channel may be on, as its energy counts: one period and the bus.
+    /// The longest that a channel may be on beyond its request, as its energy counts: one period and the bus.
     pub(super) fn surplus(&self) -> Duration {
         self.period() + self.switching()
     }

@@ -16,12 +16,12 @@ pub(super) struct Bucket {
     at: Instant,
 }
 
-/// What was spent of what may be spent at once.
+/// Energy that was spent of what a bucket holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
     /// Energy, picojoules; more than there is counts as all of it.
     pub pj: u64,
-    /// How long ago: what refills since then is no longer spent.
+    /// Time since then: what refills in it is no longer spent.
     pub ago: Duration,
 }
 
@@ -82,7 +82,7 @@ impl Bucket {
         self.left_pj / 1000
     }
 
-    /// The same in picojoules, and nothing changes.
+    /// Energy that may be spent at `at`, pJ; the bucket stays unchanged.
     pub(super) fn left_pj_at(&self, at: Instant) -> u64 {
         let refill = self.rate_uw.saturating_mul(at.since(self.at).as_micros());
         self.left_pj.saturating_add(refill).min(self.capacity_pj)
@@ -102,7 +102,7 @@ impl Bucket {
         }
     }
 
-    /// What is spent at `at`.
+    /// Energy spent as of `at`.
     pub(super) fn spent(&self, at: Instant) -> Spent {
         Spent {
             pj: self.capacity_pj - self.left_pj_at(at),

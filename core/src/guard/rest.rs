@@ -1,4 +1,4 @@
-//! How warm tissue is without a wire's heat: skin at rest, or under a warm face of a Peltier module.
+//! Temperature of tissue without a wire's heat: skin at rest, or under a warm face of a Peltier module.
 //!
 //! A face that is colder than skin at rest gives nothing: the wires' rows are never looser than without it.
 
@@ -29,7 +29,7 @@ impl Rest {
         self.bins.into_iter().fold(0.0, f64::max)
     }
 
-    /// From now on it is `k` at least. Lower ones count once the bins before are over.
+    /// Raises the face to at least `k` from now on. A lower face counts once the bins before are over.
     pub(super) fn raise(&mut self, at: Instant, k: f64) {
         let bin = at.as_micros() / BIN.as_micros();
         let passed = bin.saturating_sub(self.newest).min(BINS as u64) as usize;

@@ -31,7 +31,7 @@ pub(super) const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
 /// Bins after the end of a burst at which the mean is looked at; between two of them it is taken to have the
 /// heat of the later and the past of the earlier one.
 const AHEAD: [u64; LOOKS] = [1, 2, 4, 8, 14, 20, 30, 40];
-/// So many looks.
+/// Number of looks ahead.
 const LOOKS: usize = 8;
 
 /// The thermal rows: all of the guard that needs floating point.
@@ -41,7 +41,7 @@ pub(super) struct Heat {
     /// One per wire.
     pub(super) tissues: Box<[Tissue]>,
     pub(super) predicted: Predicted,
-    /// What tissue is without a wire's heat.
+    /// Temperature of the tissue without a wire's heat.
     pub(super) rest: Rest,
 }
 
@@ -60,7 +60,7 @@ impl Heat {
 /// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
-    /// What a joule does, and what tissue is without it.
+    /// The effect of a joule, and the tissue without it.
     pub(super) kernel: Kernel,
     pub(super) peak_k: f64,
     mean_k: f64,
@@ -73,7 +73,7 @@ pub(super) struct Budget {
     response: Response,
 }
 
-/// What skin makes of energies that decay.
+/// Temperatures that decaying energies make in the skin.
 #[derive(Clone, Copy, Debug)]
 struct Felt {
     /// Temperature above rest at 0.1 mm and at 0.4 mm, K.
@@ -83,12 +83,12 @@ struct Felt {
     ahead: [f64; LOOKS],
 }
 
-/// What the guard knows of the skin under one wire.
+/// The guard's knowledge of the skin under one wire.
 #[derive(Clone, Debug)]
 pub(super) struct Tissue {
     /// Booked until here, in a time that began with the first run of the session.
     pub(super) at: Instant,
-    /// When this run began in that time.
+    /// Start of this run in that time.
     pub(super) begun: Duration,
     /// Energy that each decay still feels, J.
     pub(super) energy: Decays,
@@ -98,18 +98,18 @@ pub(super) struct Tissue {
     /// No skin was warmer before the next heat, degrees C, whatever the energies say: those of a reserve lie above all that
     /// can have been.
     pub(super) most_c: f64,
-    /// How much warmer than skin at rest it is without its wire's heat, K; never less than zero.
+    /// The excess over skin at rest without the wire's heat, K; never less than zero.
     pub(super) face_k: f64,
-    /// The same with what is wanted of the face: what bursts to come make room for.
+    /// Excess with the face's wanted temperature counted in, K: bursts to come make room for it.
     pub(super) rest_k: f64,
 }
 
 /// A burst as the budget books it: uniform between two times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Booking {
-    /// Not before this.
+    /// The earliest start.
     pub(super) from: Instant,
-    /// All of it until here.
+    /// The end of all of it.
     pub(super) until: Instant,
 }
 
@@ -153,11 +153,11 @@ impl Predicted {
     }
 }
 
-/// What a joule spread over a burst comes to, in the shapes that [`Tissue::room`] asks for.
+/// The effect of a joule spread over a burst, in the shapes that [`Tissue::room`] asks for.
 #[derive(Clone, Copy, Debug)]
 struct Response {
     stretch: Stretch,
-    /// At its end.
+    /// Temperatures at the end of the burst.
     felt: Felt,
     /// Time integral at 0.1 mm from its start until each of [`AHEAD`], K s/J.
     integrals: [f64; LOOKS],
@@ -243,8 +243,8 @@ impl Tissue {
         }
     }
 
-    /// When a burst that is on between two times is booked: after all that is booked, and as late as
-    /// `latency` allows it to come.
+    /// Booking of a burst that is on between two times: after all that is booked, and as late as `latency` allows it
+    /// to come.
     pub(super) fn booking(&self, on: Instant, off: Instant, latency: Duration) -> Booking {
         let from = self.at.max(on + self.begun + latency);
         let least = from + Duration::from_micros(1);
@@ -270,7 +270,7 @@ impl Tissue {
         others.into_iter().fold(first, least)
     }
 
-    /// The same of every limit, and nothing changes.
+    /// Energy that each limit leaves; the tissue stays unchanged.
     pub(super) fn each_room(&self, budget: &Budget, booking: Booking) -> [(f64, Reason); 4] {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), booking.from);
@@ -282,7 +282,7 @@ impl Tissue {
         tissue.rooms(budget, &response, booking)
     }
 
-    /// By limit; of the dose, infinity where more is left than the peak allows to spend.
+    /// Energy that each limit leaves, J; infinity for the dose where it leaves more than the peak allows to spend.
     fn rooms(&self, budget: &Budget, each: &Response, booking: Booking) -> [(f64, Reason); 4] {
         let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
         let rest_k = self.rest_k;
@@ -325,7 +325,7 @@ impl Tissue {
         self.to_come(budget)
     }
 
-    /// What is predicted from what is booked if nothing more comes.
+    /// Predicts temperatures and doses from what is booked, if nothing more comes.
     fn to_come(&self, budget: &Budget) -> Predicted {
         let felt = Felt::new(&budget.felt, &self.energy);
         let means = self.pasts(self.at).into_iter().zip(felt.ahead);
@@ -341,8 +341,8 @@ impl Tissue {
         }
     }
 
-    /// What is predicted at `now` with a face so many kelvin above skin at rest, and the warmest that it may become, K,
-    /// so that what is booked keeps to the limits.
+    /// Predicts temperatures and doses at `now` with a face `face_k` kelvin above skin at rest. The second figure is
+    /// the warmest that the face may be, K above skin at rest, for what is booked to keep to the limits.
     pub(super) fn bears(&self, budget: &Budget, now: Instant, face_k: f64) -> (Predicted, f64) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
@@ -431,8 +431,8 @@ impl Tissue {
         Instant::from_micros((self.at.as_micros() / BIN_US + 1).saturating_mul(BIN_US))
     }
 
-    /// What bins hold of the windows that end between `until` and the first, the first and the second and so on
-    /// of [`AHEAD`] after it, K s. The later windows hold the fewer bins, and each is the start of the one before.
+    /// The bins' part of each window that ends between `until` and the first of [`AHEAD`], between the first and the
+    /// second, and so on, K s. Later windows hold fewer bins; each starts where the one before does.
     fn pasts(&self, until: Instant) -> [f64; LOOKS] {
         let mut sums = [0.0; BINS + 1];
         for (n, bin) in self.bins.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! How much of each limit is used: what a page, a terminal and a summary show of the guard while it works.
+//! The used share of each limit: a page, a terminal and a summary show it while the guard works.
 //!
-//! Reading changes nothing and allocates nothing. The figures are the guard's own, from above over its range: what it
-//! has booked, not what flowed.
+//! Reading changes nothing and allocates nothing. The figures are the guard's own upper bounds: they count what is
+//! booked, which is at least what flowed.
 
 use crate::units::Instant;
 
@@ -17,9 +17,9 @@ pub struct Used {
     pub burst: f64,
     /// Energy of that burst.
     pub burst_energy: f64,
-    /// What both windows of a wire's mean power let it spend at once.
+    /// Energy that both windows of a wire's mean power let it spend at once.
     pub wire_power: f64,
-    /// The same of the fingertip.
+    /// Energy that both windows of the fingertip's mean power let it spend at once.
     pub fingertip_power: f64,
     /// Current of all wires that are on.
     pub supply: f64,

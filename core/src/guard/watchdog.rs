@@ -78,17 +78,17 @@ impl Watchdog {
         self.heard = self.heard.max(Some(at));
     }
 
-    /// When the newest frame was received.
+    /// Time at which the newest frame was received.
     pub(super) const fn heard(&self) -> Option<Instant> {
         self.heard
     }
 
-    /// Whether the newest frame is too old, or there is none.
+    /// Returns true if the newest frame is too old or none has come.
     pub(super) fn is_stale(&self, now: Instant) -> bool {
         self.heard.is_none_or(|at| now.since(at) >= self.patience)
     }
 
-    /// When sensor input gets too old.
+    /// Time at which sensor input gets too old.
     pub(super) fn deadline(&self) -> Instant {
         self.heard.map_or(Instant::ZERO, |at| at + self.patience)
     }
@@ -114,7 +114,7 @@ impl Watchdog {
         self.latched
     }
 
-    /// Whether frames come and the loop runs.
+    /// Checks that frames come and that the loop runs.
     pub(super) fn ready(&self, now: Instant) -> Result<(), Cause> {
         if self.is_stale(now) {
             Err(Cause::StaleInput)
