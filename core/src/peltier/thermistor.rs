@@ -1,4 +1,4 @@
-//! From a converter's code to a temperature, or to what is wrong with the sensor.
+//! Thermistors: a converter's code becomes a temperature, or the sensor's defect.
 
 use crate::physics::{Thermistor, ZERO_CELSIUS_K};
 

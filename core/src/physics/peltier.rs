@@ -14,9 +14,9 @@ pub struct PeltierParameters {
     pub face_j_k: f64,
     /// Heat capacity of the sink, J/K.
     pub sink_j_k: f64,
-    /// From the sink to the air, K/W.
+    /// Thermal resistance from the sink to the air, K/W.
     pub sink_k_w: f64,
-    /// From the face to the body, through skin, W/K.
+    /// Thermal conductance from the face to the body, through skin, W/K.
     pub skin_w_k: f64,
     /// Time constant of a thermistor in face or sink, s.
     pub sensor_s: f64,

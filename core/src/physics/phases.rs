@@ -86,7 +86,7 @@ struct Guess {
 /// Rates of all shares by a guess, and of their strain.
 #[derive(Default)]
 struct Turns {
-    /// Of each share the rate with theta_M, 1/K, and the change of `x` by a kelvin and by the share's own change.
+    /// Rates of each share: with theta_M, 1/K, and the change of `x` by a kelvin and by the share's own change.
     parts: [(f64, f64, f64); ALL],
     rho: f64,
     /// Shares whose R just meets their austenite.

@@ -140,7 +140,7 @@ pub enum LoopError<S, A> {
     Actuator(A),
 }
 
-/// What went otherwise than asked when the reference was to be taken anew.
+/// Reasons for which the reference was not taken anew as asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RezeroError<A> {
     /// Something is in contact, or seems to be.
@@ -346,7 +346,7 @@ impl Projector {
         }
     }
 
-    /// As [`Output::settle`].
+    /// Calls [`Output::settle`].
     pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
         self.output.settle(at, observer)
     }

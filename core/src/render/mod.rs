@@ -48,7 +48,7 @@ const FEW: u8 = 4;
 const CORRECTIONS: u32 = 3;
 
 listed! {
-    /// How a contact that is felt is rendered.
+    /// Styles in which a felt contact is rendered.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Style: name {
         /// A vibration: bursts of at least 30 ms.
@@ -63,7 +63,7 @@ listed! {
 }
 
 impl Style {
-    /// Whether a contact that rests or moves is rendered as taps.
+    /// Returns true if a contact that rests or moves is rendered as taps.
     const fn taps(self, rests: bool, pattern: &Pattern) -> bool {
         match self {
             Self::Smooth => false,

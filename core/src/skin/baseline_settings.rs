@@ -3,7 +3,7 @@
 use super::relative::Axes;
 use crate::units::Duration;
 
-/// How the contact threshold is found, raw counts.
+/// Rules that give the contact threshold, raw counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ThresholdRule {
     /// The largest |difference| of any chosen axis of any taxel in the first frame after the reference (4.3),
@@ -20,7 +20,7 @@ pub enum ThresholdRule {
         /// Added to them, counts: what is too faint to matter.
         floor: f32,
     },
-    /// As given.
+    /// A threshold given in counts.
     Fixed {
         /// The threshold, counts.
         counts: f32,

@@ -1,4 +1,4 @@
-//! Where the taxels are: modules, grids, scattered points, and which board sends them.
+//! Places of the taxels: modules, grids, scattered points, and the boards that send them.
 //!
 //! Built from plain data and checked once, so that nothing downstream meets a duplicate, a NaN or an empty
 //! module. Files and their syntax belong to `hil`.
@@ -38,7 +38,7 @@ impl Grid {
     }
 }
 
-/// Which board sends a module's readings.
+/// The board that sends a module's readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Address {
     /// The sensor bus, zero-based.
@@ -47,7 +47,7 @@ pub struct Address {
     pub board: u8,
 }
 
-/// How a module's board puts its readings on the bus.
+/// Protocols by which a module's board puts its readings on the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Protocol {
     /// [`crate::codec::uskin`]: one frame per taxel, as its [`Wiring`] says; waits for a command.
@@ -77,7 +77,7 @@ impl Module {
         Self::grid_xy(name, rows, cols, pitch, pitch)
     }
 
-    /// As [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
+    /// Lays out a [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
     pub(crate) fn grid_xy(
         name: &str,
         rows: u16,
@@ -195,7 +195,7 @@ impl Module {
     pub fn points(&self) -> &[Point] {
         &self.points
     }
-    /// Which taxels are read.
+    /// Flags of the taxels that are read.
     pub fn active(&self) -> &[bool] {
         &self.active
     }
@@ -211,8 +211,8 @@ impl Module {
     pub fn origin(&self) -> Point {
         self.origin
     }
-    /// How the taxels hang on their uSkin board: a grid row by row, scattered ones in lines of four. `None` for
-    /// a skin no such board can carry (triangles, cameras, whole bodies).
+    /// The lines by which the taxels hang on their uSkin board: a grid row by row, scattered ones in lines of four.
+    /// `None` for a skin no such board can carry (triangles, cameras, whole bodies).
     pub fn wiring(&self) -> Option<Wiring> {
         if self.protocol != Protocol::Uskin {
             return None;
@@ -235,7 +235,7 @@ impl Module {
         }
     }
 
-    /// How its board speaks, if it has one.
+    /// Protocol of the module's board, if it has one.
     pub const fn protocol(&self) -> Protocol {
         self.protocol
     }
@@ -328,7 +328,7 @@ impl Layout {
     pub fn taxels(&self) -> usize {
         self.starts.last().map_or(0, |&n| n as usize)
     }
-    /// Where each module's taxels start in the running index; one entry more than modules.
+    /// First taxel of each module in the running index; one entry more than modules.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }

@@ -10,11 +10,12 @@ use crate::vector::Vectors;
 /// A taxel noisier than this many times the median was touched or is ill; it counts as this noisy.
 const NOISIEST: f32 = 4.0;
 
-/// What a taxel at rest may go from its first reading, and its mean from one half to the next, in deviations of noise.
+/// Most by which a taxel at rest may leave its first reading, and its mean drift from one half to the next, in
+/// deviations of noise.
 const CALM_SIGMAS: f64 = 8.0;
 const SLOPE_SIGMAS: f64 = 3.0;
 
-/// What was collected of a taxel halfway.
+/// Sums of a taxel at the middle of the collection.
 #[derive(Clone, Copy, Debug, Default)]
 struct Half {
     first: [u16; 3],
@@ -117,8 +118,8 @@ impl Reference {
         }
     }
 
-    /// Whether a taxel moved by more than noise and `most` counts while the reference was collected. A step makes one half
-    /// noisy, a slope both alike and their means different.
+    /// Returns true if a taxel moved by more than noise and `most` counts while the reference was collected. A step
+    /// makes one half noisy; a slope makes both halves alike and their means different.
     pub(super) fn moved(&self, taxel: usize, most: f32) -> bool {
         let (half, sums) = (&self.halves[taxel], &self.sums[taxel]);
         let (square, n) = self.steps[taxel];
@@ -154,7 +155,7 @@ impl Reference {
         }
     }
 
-    /// Whether a taxel was received while the reference was collected.
+    /// Returns true if a taxel was received while the reference was collected.
     pub(super) fn knows(&self, taxel: usize) -> bool {
         self.seen[taxel] > 0
     }

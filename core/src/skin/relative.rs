@@ -30,7 +30,7 @@ impl Axes {
         }
     }
 
-    /// Whether each of x, y, z is chosen.
+    /// Flags of the chosen axes x, y, z.
     pub const fn flags(self) -> [bool; 3] {
         self.0
     }
@@ -72,9 +72,9 @@ pub struct RelativeFrame {
     /// The raw counts it was made from, and when they were read.
     pub(super) counts: Vec<[u16; 3]>,
     pub(super) at: Instant,
-    /// Whether it was made from those counts with the taxels now left out.
+    /// True if the frame was made from those counts with the taxels now left out.
     pub(super) made: bool,
-    /// What was measured, taxel by taxel: |difference| along every axis.
+    /// Measured values, taxel by taxel: |difference| along every axis.
     pub(super) measured: Vec<[f32; 3]>,
     vectors: Vectors,
     magnitude: Vec<f32>,
@@ -140,7 +140,7 @@ impl RelativeFrame {
         Ok(())
     }
 
-    /// Nothing differs and nothing is in contact.
+    /// Clears the frame: nothing differs and nothing is in contact.
     pub(super) fn clear(&mut self) {
         self.made = false;
         self.axes.iter_mut().for_each(|axis| axis.fill(0.0));
@@ -148,12 +148,12 @@ impl RelativeFrame {
         self.find_contacts(repeat(0.0));
     }
 
-    /// Whether it has the counts of this scan.
+    /// Returns true if the frame has the counts of this scan.
     pub(super) fn is_of(&self, scan: &super::Scan) -> bool {
         self.counts.as_flattened() == scan.counts().as_flattened()
     }
 
-    /// What was measured, by axis, and its magnitude; the axes not chosen count as 0.
+    /// Spreads the measured values by axis, with their magnitude; the axes not chosen count as 0.
     pub(super) fn spread(&mut self, axes: Axes) {
         let [x, y, z] = &mut self.axes;
         let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..]);
@@ -238,7 +238,7 @@ impl RelativeFrame {
     pub fn magnitude(&self) -> &[f32] {
         &self.magnitude
     }
-    /// Which taxels are used.
+    /// Flags of the taxels that are used.
     pub fn usable(&self) -> &[bool] {
         &self.usable
     }
@@ -263,7 +263,7 @@ impl RelativeFrame {
             _ => 0..0,
         }
     }
-    /// As [`Layout::starts`].
+    /// First taxel of each module, like [`Layout::starts`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
@@ -294,7 +294,7 @@ fn spread(
     several(rest, factor, [last_x, last_y, last_z], last_squares);
 }
 
-/// As [`spread`].
+/// Spreads several taxels at once, like [`spread`].
 #[inline(always)]
 fn several(
     measured: &[[f32; 3]],

@@ -109,12 +109,12 @@ impl Scan {
         Ok(())
     }
 
-    /// Whether every taxel of a module was in its newest scan.
+    /// Returns true if every taxel of a module was in its newest scan.
     pub(super) fn is_whole(&self, module: usize) -> bool {
         self.whole.get(module).is_some_and(|whole| *whole)
     }
 
-    /// When the newest reading in it was received.
+    /// Time at which the newest reading in it was received.
     pub fn at(&self) -> Instant {
         self.at
     }
@@ -122,11 +122,11 @@ impl Scan {
     pub fn counts(&self) -> &[[u16; 3]] {
         &self.counts
     }
-    /// Whether a taxel was ever received.
+    /// Flags of the taxels that were ever received.
     pub fn seen(&self) -> &[bool] {
         &self.seen
     }
-    /// Whether a taxel was received in its module's newest scan.
+    /// Flags of the taxels that were received in their module's newest scan.
     pub fn fresh(&self) -> &[bool] {
         &self.fresh
     }

@@ -31,7 +31,7 @@ pub struct Settings<'a> {
     pub plant: Plant,
     /// The wire and finger of the guard's thermal rows; `None` where its processor bears none.
     pub worn: Option<WornWire>,
-    /// What sets the currents; `None` where amplifiers have one of their own.
+    /// Converters that set the currents; `None` where amplifiers have a current of their own.
     pub converters: Option<Converters<'a>>,
 }
 

@@ -19,7 +19,7 @@ use taxels::Taxels;
 pub struct HealthSettings {
     /// Received, but unchanged for longer than this: frozen.
     pub frozen_after: Duration,
-    /// Not received for longer than this, or never within this time: dead.
+    /// Age of the newest reading beyond which a taxel is dead; a taxel never received for this long is dead too.
     pub dead_after: Duration,
     /// A change of an axis from one reading to the next beyond this is a jump, counts.
     pub jump_counts: u16,
@@ -36,10 +36,10 @@ impl Default for HealthSettings {
     }
 }
 
-/// What is wrong with a taxel, the worst first.
+/// Conditions of a taxel, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Condition {
-    /// Not part of the run.
+    /// A taxel that is no part of the run.
     Inactive,
     /// Never received, or not for long.
     Dead,
@@ -53,7 +53,7 @@ pub enum Condition {
     Good,
 }
 
-/// From three jumps in short order on.
+/// Least tally of a taxel that jumps: three jumps in short order.
 const JUMPING: u16 = 40;
 
 /// Counts of conditions and the refresh rate over the active taxels.
@@ -130,14 +130,14 @@ impl Monitor {
         seen.well
     }
 
-    /// Whether [`Self::observe_module`] was true of a module's newest scan, and is still at `now`: no taxel has to be looked
-    /// at by itself then.
+    /// Returns true if [`Self::observe_module`] was true of a module's newest scan and still is at `now`. The caller
+    /// then needs to look at no taxel by itself.
     pub fn is_well(&self, module: usize, now: Instant) -> bool {
         let lasts = |at| now.since(at) <= self.settings.dead_after;
         self.taxels.well_at(module).is_some_and(lasts)
     }
 
-    /// What is wrong with a taxel at `now`; the worst of several.
+    /// The condition of a taxel at `now`; the worst of several.
     pub fn condition(&self, index: usize, now: Instant) -> Condition {
         let t = &self.taxels;
         if !t.active.get(index).is_some_and(|active| *active) {
@@ -163,7 +163,7 @@ impl Monitor {
         }
     }
 
-    /// Whether a taxel's newest reading jumped: one such reading is no touch.
+    /// Returns true if a taxel's newest reading jumped: one such reading is no touch.
     pub fn has_jumped(&self, index: usize) -> bool {
         self.taxels.has_jumped(index)
     }

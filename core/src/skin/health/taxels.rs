@@ -1,4 +1,4 @@
-//! What is known of every taxel, and how a scan adds to it: mostly many taxels in one go, else taxel by taxel.
+//! Knowledge of every taxel, and its update by a scan: mostly many taxels in one go, else taxel by taxel.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -12,7 +12,7 @@ use crate::vector::Vectors;
 /// All readings but two: both ends, or one end and what is beside the other.
 const SPAN: u16 = u16::MAX - 2;
 
-/// So many scans in one go keep their changes in few bytes per taxel, before they are added up.
+/// Number of scans taken in one go that keep their changes in few bytes per taxel, before they are added up.
 const BRIEF: usize = 128;
 
 /// A module's taxels together.
@@ -22,16 +22,16 @@ struct Together {
     /// Scans that were taken in one go, and when the newest of them came: on top of what its taxels know.
     scans: u32,
     at: Instant,
-    /// When those of them came whose changes are kept briefly: [`BRIEF`] at most.
+    /// Times of those scans whose changes are kept briefly: [`BRIEF`] at most.
     brief: Vec<Instant>,
-    /// Whether every active taxel was received and none has jumped lately.
+    /// True if every active taxel was received and none has jumped lately.
     calm: bool,
-    /// When the newest scan came, if every active taxel was in it and well.
+    /// Time of the newest scan, if every active taxel was in it and well.
     well_at: Option<Instant>,
     /// No active taxel has last changed before this.
     moved_at: Instant,
-    /// Whether it is known where its skin rests, and the end of the range that this is, if it is one: only skins of one axis
-    /// rest at any.
+    /// True once the monitor knows whether the skin rests at an end of its range. `rests_at` is that end, if it rests
+    /// at one: only skins of one axis do.
     learned: bool,
     rests_at: Option<u16>,
 }
@@ -54,26 +54,27 @@ pub(super) struct Taxels {
     last_at: Vec<Instant>,
     changed: Vec<u32>,
     changed_at: Vec<Instant>,
-    /// On top of that: changes in the scans of [`Together::brief`], and the number of the last of those, from 1; 0 for
-    /// none.
+    /// Changes in the scans of [`Together::brief`], on top of `changed`. `changed_in` has the number of the last such
+    /// scan, from 1; 0 for none.
     lately: Vec<u8>,
     changed_in: Vec<u8>,
     /// 16 a jump, one less a quiet reading.
     jumps: Vec<u16>,
-    /// Whether the newest reading was a jump.
+    /// True if the newest reading was a jump.
     jumped: Vec<bool>,
-    /// Of the scan that is looked at: bits that differ from before, then 1 where any of an active taxel's do.
+    /// Bits by which the scan under inspection differs from the one before, and in `news` a 1 where any of an active
+    /// taxel's differ.
     bits: Vec<[u16; 3]>,
     news: Vec<u8>,
     vectors: Vectors,
 }
 
-/// What a scan says of a module.
+/// Result of looking at a module's scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Seen {
-    /// Whether any taxel changed.
+    /// True if any taxel changed.
     pub(super) any: bool,
-    /// Whether every active taxel is in it, is well, and has not jumped; false says nothing.
+    /// True if every active taxel is in the scan, is well and has not jumped; false says nothing.
     pub(super) well: bool,
 }
 
@@ -129,7 +130,7 @@ impl Taxels {
         }
     }
 
-    /// Whether an axis of the newest reading is at an end of its range where the skin does not rest.
+    /// Returns true if an axis of the newest reading is at an end of its range where the skin does not rest.
     pub(super) fn is_at_an_end(&self, index: usize) -> bool {
         let used = if self.single_axis[index] { 2.. } else { 0.. };
         let rests_at = self.modules[usize::from(self.module[index])].rests_at;
@@ -153,7 +154,7 @@ impl Taxels {
         Some((received, self.last_at[index].max(together.at)))
     }
 
-    /// When the reading last became another.
+    /// Time at which the reading last became another.
     pub(super) fn changed_at(&self, index: usize) -> Instant {
         let brief = &self.modules[usize::from(self.module[index])].brief;
         let lately = usize::from(self.changed_in[index]).checked_sub(1);
@@ -185,12 +186,12 @@ impl Taxels {
         seen
     }
 
-    /// When the newest scan of a module came, if every active taxel was in it and well.
+    /// Time of a module's newest scan, if every active taxel was in it and well.
     pub(super) fn well_at(&self, module: usize) -> Option<Instant> {
         self.modules.get(module)?.well_at
     }
 
-    /// How many modules there are.
+    /// Number of modules.
     pub(super) fn modules(&self) -> usize {
         self.modules.len()
     }
@@ -246,7 +247,7 @@ impl Taxels {
         )
     }
 
-    /// Whether every active taxel is in the scan.
+    /// Returns true if every active taxel is in the scan.
     fn is_whole(&self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
         let listening = self.active[range.clone()].iter().zip(&scan.fresh()[range]);
@@ -254,7 +255,7 @@ impl Taxels {
             || listening.fold(true, |all, (active, fresh)| all & (!active | fresh))
     }
 
-    /// As [`Self::observe_each`] of a calm module that is steady and whole: without a branch.
+    /// Observes a calm module that is steady and whole like [`Self::observe_each`], but without a branch.
     fn observe_together(&mut self, scan: &Scan, module: usize) -> Seen {
         let at = scan.at();
         if self.modules[module].brief.len() == BRIEF {
@@ -302,7 +303,7 @@ impl Taxels {
         self.modules[module].brief.clear();
     }
 
-    /// Since when every active taxel has changed.
+    /// Finds the time since which every active taxel has changed.
     fn find_moved(&mut self, module: usize) {
         self.add_up(module);
         let range = self.modules[module].range.clone();

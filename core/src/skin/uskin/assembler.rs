@@ -22,7 +22,7 @@ pub(super) struct TaxelReading {
     pub(super) order: u16,
     /// Raw counts x, y, z; a one-axis skin uses z.
     pub(super) counts: [u16; 3],
-    /// When it was received.
+    /// Time at which it was received.
     pub(super) at: Instant,
 }
 
@@ -66,7 +66,7 @@ impl Pending {
 pub(super) struct ScanAssembler {
     gap: Duration,
     pending: Vec<Pending>,
-    /// What the unfinished scans have so far, and of which taxels.
+    /// Counts that the unfinished scans have so far, and their taxels.
     counts: Vec<[u16; 3]>,
     staged: Vec<bool>,
     lost: u64,

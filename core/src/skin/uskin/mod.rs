@@ -31,7 +31,7 @@ pub struct CanSkin<B> {
     addresses: Box<[Option<Address>]>,
 }
 
-/// What becomes of frames.
+/// Destination of each frame: a route, an assembler, or the count of foreign ones.
 #[derive(Debug)]
 struct Sorting {
     routes: Routes,
@@ -54,7 +54,7 @@ impl<B: CanBus> CanSkin<B> {
         }
     }
 
-    /// With another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
+    /// Sets another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
     #[must_use]
     pub const fn with_gap(mut self, gap: Duration) -> Self {
         self.sorting.assembler.set_gap(gap);
