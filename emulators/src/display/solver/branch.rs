@@ -1,6 +1,6 @@
 //! Straight lines of the law of phases: ranges of temperature, and the way that it goes.
 
-/// Which way the wire's temperature is going.
+/// Direction in which the wire's temperature goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heading {
     /// Heating.
@@ -22,6 +22,6 @@ pub struct Branch {
     pub low: f64,
     /// Holds up to here, degrees C.
     pub high: f64,
-    /// Whether it ends when the temperature turns.
+    /// True if the branch ends when the temperature turns.
     pub one_way: bool,
 }

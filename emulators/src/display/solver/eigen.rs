@@ -18,7 +18,7 @@ pub struct Eigen {
 }
 
 impl Eigen {
-    /// Of the matrix with this diagonal, and with `beside[i]` between i and i + 1; the last of these is not looked at.
+    /// Solves the matrix with this diagonal and with `beside[i]` between i and i + 1; the last of these is ignored.
     pub fn new(diagonal: [f64; NODES], beside: [f64; NODES]) -> Self {
         Vectors::widest().run(
             #[inline(always)]

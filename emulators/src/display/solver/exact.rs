@@ -29,14 +29,14 @@ pub struct Exact {
     network: Arc<ThermalNetwork>,
     phase: Phase,
     heading: Heading,
-    /// Those of all clones, and those that this one has been in.
+    /// Regimes of all clones; `modes` are those that this clone has been in.
     regimes: Regimes,
     modes: Vec<Arc<Mode>>,
     mode: usize,
     oldest: usize,
     propagators: Propagators,
     z: [f64; NODES],
-    /// What `z` is at the places that are looked at.
+    /// Temperatures that `z` gives at the places that are looked at.
     watched: Watched,
     vectors: Vectors,
     now: Nanos,
@@ -49,11 +49,11 @@ pub struct Exact {
     energy: Energy,
     /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
-    /// Where the wire is worn: then parting from the skin is an event.
+    /// The seat of a worn wire: with one, parting from the skin is an event.
     worn: Option<Worn>,
     /// The skin in the last stretch.
     motion: Motion,
-    /// What a person's model reads, where one does, the oldest first.
+    /// Stretches that a person's model reads, the oldest first; `None` without such a model.
     pub stretches: Option<Vec<Stretch>>,
 }
 
@@ -177,7 +177,7 @@ impl Exact {
         }
     }
 
-    /// The same with books.
+    /// Clones the solver with its books.
     #[must_use]
     pub(crate) fn ahead_with_books(&self) -> Self {
         Self {
@@ -200,7 +200,7 @@ impl Exact {
         self.phase.u_m(self.wire_c())
     }
 
-    /// The same, stepped with these vectors.
+    /// Clones the solver to step with these vectors.
     #[cfg(test)]
     pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
         Self {
@@ -214,7 +214,7 @@ impl Exact {
         self.now
     }
 
-    /// What the wire is driven with.
+    /// The drive of the wire.
     pub const fn driven(&self) -> WireDrive {
         self.drive
     }
@@ -274,7 +274,7 @@ impl Exact {
         }
     }
 
-    /// The same but for what would have to be searched: no higher than they are.
+    /// The peaks as far as they are known without a search: no higher than the true ones.
     pub(crate) const fn peaks_floor(&self) -> Peaks {
         Peaks {
             wire_c: self.hottest.0,
@@ -312,7 +312,7 @@ impl Exact {
         (self.energy.electrical_j, self.energy.wire_j)
     }
 
-    /// Where the heat went.
+    /// Destinations of the heat since the start.
     pub fn energy(&self) -> Energy {
         let nodes = self.nodes();
         let mut stored = 0.0;
@@ -332,7 +332,7 @@ impl Exact {
         self.resistance(self.wire_c(), &branch).0 + self.wire.resistance_ohm * series
     }
 
-    /// That of the wire alone now, Ohm, and its change with temperature within `branch`.
+    /// Resistance of the wire alone now, Ohm, and its change with temperature within `branch`.
     fn resistance(&self, t: f64, branch: &Branch) -> (f64, f64) {
         let w = &*self.wire;
         let nominal = w.resistance_ohm * w.wire_share;
@@ -349,7 +349,7 @@ impl Exact {
         }
     }
 
-    /// The same without doing it: what the skin would do, where the wire is worn.
+    /// Motion of the skin that [`Self::touch`] would compute, where the wire is worn; the solver stays unchanged.
     fn reach(&self, t: f64, branch: &mut Branch) -> Option<Motion> {
         let worn = self.worn.as_ref()?;
         let (motion, (low, high)) = self.phase.motion(worn, t, branch, self.heading);

@@ -20,7 +20,8 @@ pub fn highest(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64) -> f64
     within(sum, from, to, known.max(from.value).max(to.value), DEEPEST)
 }
 
-/// What a sum with these decay rates cannot pass between two instants of it; looks no closer than is `enough`.
+/// Bound that a sum with these decay rates cannot pass between two instants of it; refines no further than to
+/// `enough`.
 #[inline(always)]
 pub fn ceiling_between<S: Simd>(
     simd: S,
@@ -41,7 +42,7 @@ pub fn ceiling_between<S: Simd>(
     ceiling(ends, by_parts(&from.terms, lambda[0] < 0.0, slopes), span)
 }
 
-/// How many peaks there are between two instants, where the signs of the partial sums tell.
+/// Number of peaks between two instants, where the signs of the partial sums give it.
 #[inline(always)]
 fn peaks(from: &SumPoint, to: &SumPoint) -> Option<usize> {
     let (turns, first) = signs(&from.terms);
@@ -149,7 +150,7 @@ fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64
     (max(least, lowest), min(most, highest))
 }
 
-/// What cannot be passed on the way from one value to another with slopes between these.
+/// Bound that a value cannot pass on its way from one to another with slopes between these.
 #[inline(always)]
 fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 {
     if most <= 0.0 || least >= 0.0 {

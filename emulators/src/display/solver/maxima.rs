@@ -28,14 +28,14 @@ pub struct Maxima {
 /// A stretch that may be warmer inside than anything known.
 #[derive(Clone, Debug)]
 struct Stretch {
-    /// What it cannot have passed, degrees C.
+    /// Bound that the stretch cannot have passed, degrees C.
     ceiling: f64,
     lambda: [f64; NODES],
     ends: [SumPoint; 2],
 }
 
 impl Maxima {
-    /// From a temperature on, degrees C.
+    /// Maxima that start at a temperature, degrees C.
     pub fn new(now: f64) -> Self {
         Self {
             whole: now,
@@ -78,7 +78,7 @@ impl Maxima {
         self.window
     }
 
-    /// The same of the maximum since the start.
+    /// The known part of the maximum since the start, degrees C.
     pub const fn known_whole(&self) -> f64 {
         self.whole
     }
@@ -113,7 +113,7 @@ impl Maxima {
 }
 
 impl Stretch {
-    /// Its maximum, or `known` if that is higher.
+    /// The stretch's maximum, or `known` if that is higher.
     fn highest(&self, known: f64, vectors: Vectors) -> f64 {
         let [from, to] = &self.ends;
         let sum = Sum::new(&self.lambda, from.terms, from.value, vectors);

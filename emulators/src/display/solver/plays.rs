@@ -48,7 +48,7 @@ impl Share {
         self.memory.max(self.cooling(t)).min(self.heating(t))
     }
 
-    /// Where heating from this memory begins to transform.
+    /// Temperature at which heating from this memory begins to transform, degrees C.
     fn upper(&self) -> f64 {
         let (start, finish) = self.austenite;
         if self.memory > 0.0 {
@@ -58,7 +58,7 @@ impl Share {
         }
     }
 
-    /// Where cooling from this memory begins to transform.
+    /// Temperature at which cooling from this memory begins to transform, degrees C.
     fn lower(&self) -> f64 {
         let (start, finish) = self.martensite;
         if self.memory < 1.0 {
@@ -124,7 +124,7 @@ impl Share {
 #[derive(Clone, Debug)]
 pub struct Plays {
     plays: Vec<Share>,
-    /// As austenite: strain by stress, and expansion, 1/K.
+    /// Mechanics as austenite: strain by stress in `elastic`, and expansion, 1/K.
     elastic: f64,
     expansion: f64,
     /// Temperature of no thermal strain, degrees C.
@@ -132,7 +132,7 @@ pub struct Plays {
 }
 
 impl Plays {
-    /// As after cooling from far below, then heating to `start_c`: martensite unless hot.
+    /// The plays after cooling from far below, then heating to `start_c`: martensite unless hot.
     ///
     /// # Errors
     /// Branches of the hysteresis that touch or cross.

@@ -1,4 +1,4 @@
-//! What is remembered of a wire's run: maxima over continuous time and the energy ledger.
+//! Records of a wire's run: maxima over continuous time and the energy ledger.
 
 /// Maxima over continuous time, degrees C.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +27,8 @@ impl Peaks {
     }
 }
 
-/// Where the energy went since the start, J. `wire_j` is the sum of the change in `stored_j` and
-/// `latent_j` and of what flowed to air, ends and body.
+/// Energy ledger since the start, J. `wire_j` is the sum of the change in `stored_j` and `latent_j` and of what
+/// flowed to air, ends and body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Electrical energy between the terminals.

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::modal::{Mode, ModeKey};
 use crate::display::finger::ThermalNetwork;
 
-/// So many are kept; the oldest is dropped. Plays that overlap have some ten, each current of a wire whose resistance
-/// changes with temperature has its own.
+/// Number of regimes kept; the oldest is dropped. Plays that overlap have some ten; each current of a wire whose
+/// resistance changes with temperature has its own.
 pub(super) const REGIMES: usize = 96;
 
-/// What clones of one wire have in common. A regime follows from network and key, so that it does not matter who asks first.
+/// Regimes that clones of one wire share. A regime follows from network and key, so that any clone may ask first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Regimes(Arc<Mutex<VecDeque<Arc<Mode>>>>);
 

@@ -26,7 +26,7 @@ impl Strain {
 pub struct Motion {
     /// Displacement from rest at `from_c`, m.
     pub at_m: f64,
-    /// How it changes with the wire's temperature, m/K; 0 while skin and wire are apart.
+    /// Change of the displacement with the wire's temperature, m/K; 0 while skin and wire are apart.
     pub m_per_k: f64,
     /// Temperature that it is counted from, degrees C.
     pub from_c: f64,

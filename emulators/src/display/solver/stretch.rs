@@ -1,4 +1,4 @@
-//! What a person's model reads of a wire: stretches in which everything is a sum of exponentials.
+//! Stretches of a wire that a person's model reads: in each, everything is a sum of exponentials.
 
 use super::modal::ModeKey;
 use crate::display::finger::NODES;
@@ -9,9 +9,9 @@ use crate::display::finger::NODES;
 /// slope says everything: the offset is what it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// How long it is, s.
+    /// Length, s.
     pub seconds: f64,
-    /// Whether current flows.
+    /// True while current flows.
     pub driven: bool,
     /// Displacement of the tissue per kelvin of the wire, um/K; 0 of a wire that is not worn.
     pub um_per_k: f64,

@@ -20,7 +20,7 @@ pub struct SumPoint {
     pub value: f64,
     /// Derivative, K/s.
     pub slope: f64,
-    /// Its terms, slowest first.
+    /// Terms of the sum, slowest first.
     pub terms: [f64; NODES],
 }
 
@@ -40,7 +40,7 @@ pub struct Sum<'a> {
     pub lambda: &'a [f64; NODES],
     /// Terms of the derivative at the start, K/s.
     pub slopes: [f64; NODES],
-    /// What each term comes to in the end, K.
+    /// Values that the terms approach in the end, K.
     ends: [f64; NODES],
     /// Value at the start, K.
     pub start: f64,
@@ -48,8 +48,8 @@ pub struct Sum<'a> {
 }
 
 impl<'a> Sum<'a> {
-    /// From its parts: decay rates (rising, 1/s; none zero), terms of the slope (K/s) and value (K) at the start; computed
-    /// with `vectors`.
+    /// Sum of its parts: decay rates (rising, 1/s; none zero), terms of the slope (K/s) and value (K) at the start;
+    /// computed with `vectors`.
     pub fn new(
         lambda: &'a [f64; NODES],
         slopes: [f64; NODES],
@@ -152,7 +152,7 @@ impl<'a> Sum<'a> {
         sign(&bends)
     }
 
-    /// Whether the second derivative keeps its sign between the two ends.
+    /// Returns true if the second derivative keeps its sign between the two ends.
     fn derivative_is_monotone(&self, start: &[f64; NODES], end: &[f64; NODES]) -> bool {
         let mut s = *start;
         let mut e = *end;
@@ -185,7 +185,8 @@ impl<'a> Sum<'a> {
         self.turn((from, to), self.derivatives(from)[1])
     }
 
-    /// The same where the derivative `leaves` the first one with this sign, whatever rounding makes of it there.
+    /// The turn between two times where the derivative `leaves` the first one with this sign, whatever rounding makes
+    /// of it there.
     fn turn(&self, (from, to): (f64, f64), leaves: f64) -> f64 {
         let slope = |t: f64| {
             let [_, slope, bend, third] = self.derivatives(t);
@@ -321,7 +322,7 @@ fn steepest(start: &[f64; NODES], end: &[f64; NODES]) -> f64 {
     f64::max(top, -bottom)
 }
 
-/// Whether decaying terms that begin at `start` and have become `end` cannot have summed to zero between.
+/// Returns true if decaying terms that begin at `start` and have become `end` cannot have summed to zero between.
 fn bounded_away(start: &[f64; NODES], end: &[f64; NODES]) -> bool {
     let (mut top, mut bottom) = (0.0, 0.0);
     for (s, e) in start.iter().zip(end) {

@@ -67,7 +67,7 @@ impl Wire {
         })
     }
 
-    /// Also keeps the burn integrals at 0.1 mm from here on, at a few evaluations a step.
+    /// Keeps the burn integrals at 0.1 mm too from here on, at a few evaluations a step.
     #[must_use]
     pub fn with_dose(mut self) -> Self {
         self.solver.dose = Some(Dose::default());
@@ -223,7 +223,7 @@ impl Wire {
         Self::of(self.solver.ahead())
     }
 
-    /// One that answers for peaks, energy and dose too. Bursts and stretches stay behind.
+    /// Clones the wire to answer for peaks, energy and dose too. Bursts and stretches stay behind.
     #[must_use]
     pub(crate) fn ahead_with_books(&self) -> Self {
         Self::of(self.solver.ahead_with_books())
@@ -273,14 +273,14 @@ impl Wire {
         self.peaks_above(at, &Peaks::NONE)
     }
 
-    /// The same where of several wires only the warmest counts: tissue that cannot have passed `floor` is not searched, now
-    /// or later.
+    /// The peaks where only the warmest of several wires counts: tissue that cannot have passed `floor` is not
+    /// searched, now or later.
     pub(crate) fn peaks_above(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
         self.solver.peaks(floor)
     }
 
-    /// What [`Self::window_peaks`] comes to at least, without a search.
+    /// Lower bound of [`Self::window_peaks`], without a search.
     pub(crate) fn window_floor(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
         self.solver.window_floor()
