@@ -99,14 +99,14 @@ impl Guard {
         Some(tissue.each_room(&heat.budget, booking))
     }
 
-    /// Electrical energy, nJ, that the row of the fingertip's power leaves of a stimulus at `at` on any wire.
+    /// Electrical energy, nJ, that the row of the fingertip's power leaves for a stimulus at `at` on any wire.
     pub(crate) fn fingertip_nj(&self, at: Instant) -> u64 {
         faded(self.fingertip.left_pj_at(at) / 1000)
     }
 
-    /// Mean power, uW, of one wire that each row leaves for the second from `at` on. For the rows of power that is
-    /// the most that the guard passes in it; for those of heat it is what may flow evenly, so that the limit is met at
-    /// its end. `None` for a wire that is not there, and without thermal rows.
+    /// Mean power, uW, that each row leaves one wire for the second from `at` on. A row of power gives the most that
+    /// the guard passes in it. A row of heat gives what may flow evenly, so that the limit is met at the second's
+    /// end. `None` for an unknown wire, and without thermal rows.
     pub fn second_uw(&self, wire: usize, at: Instant) -> Option<[(Reason, u64); 6]> {
         let state = self.wires.get(wire)?;
         let rooms = self.rooms(wire, at, at + SECOND)?;
@@ -126,8 +126,8 @@ impl Guard {
         ])
     }
 
-    /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: what the rows of power and of heat
-    /// bear at its end. The dose is left out.
+    /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: the rows of power and of
+    /// heat bear it at the session's end. The dose is left out.
     pub(crate) fn sustained_uw(&self, session: Duration) -> u64 {
         let seconds = session.as_secs_f64();
         let per_watt = |row: &Decays| -> f64 {
@@ -144,7 +144,7 @@ impl Guard {
         power.min((heat * 1e6) as u64)
     }
 
-    /// Electrical energy, nJ, that a stimulus of this width and length is booked with: from above over all oscillators.
+    /// Electrical energy, nJ, booked for a stimulus of this width and length: from above over all oscillators.
     pub fn energy_nj(&self, width: Ticks, length: Duration) -> u64 {
         self.plant.energy_nj(width.get(), length)
     }

@@ -1,4 +1,4 @@
-//! Amplifiers whose current is set: what may flow of what was commanded, and when it may change.
+//! Amplifiers whose current is set: the most that may flow for a command, and the time at which it may change.
 //!
 //! A current rises only while its wire is off, and the driver reads it back before the pulse. Until that has succeeded the
 //! larger of the commanded and the last confirmed current counts; where nothing is confirmed, the most there is.
@@ -26,12 +26,12 @@ pub struct CurrentControl {
 }
 
 impl CurrentControl {
-    /// The most that flows where this was commanded, rounded up.
+    /// The most that flows for a command, rounded up.
     #[must_use]
     pub fn most(&self, commanded: Milliamps) -> Milliamps {
         let gain = (u64::from(commanded.0) * u64::from(self.gain_ppm)).div_ceil(MILLION);
         let sum = u64::from(commanded.0) + gain + u64::from(self.offset.0);
-        // No plant bears so much: what is cut off here is refused there.
+        // No plant bears so much: `check` refuses what is cut off here.
         Milliamps(u32::try_from(sum).unwrap_or(u32::MAX))
     }
 }
@@ -61,7 +61,7 @@ impl Guard {
     /// give, if that is more: the rows of the supply and all budgets count with it.
     ///
     /// # Errors
-    /// When no wire can have such a current.
+    /// [`PlantError`] when no wire can have such a current.
     pub fn with_current(mut self, control: CurrentControl) -> Result<Self, PlantError> {
         if control.full_scale == Milliamps(0) {
             return Err(PlantError::OutOfRange);
@@ -80,7 +80,7 @@ impl Guard {
         self.settable.as_ref().map(|settable| &settable.control)
     }
 
-    /// Every current that a driver has put on the outputs of a board was set and has read back.
+    /// Confirms every current that a driver has put on a board's outputs: it was set and has read back.
     pub(super) fn confirm_currents(
         &mut self,
         on: Board,
@@ -106,8 +106,8 @@ impl Guard {
         }
     }
 
-    /// The current that a stimulus shall be had with, and why it is another than it asks for. `None` where the amplifiers
-    /// have one of their own.
+    /// The current that a stimulus is driven with, and the reason if that is less than it asks for. `None` where the
+    /// amplifiers have a current of their own.
     pub(super) fn commanded(
         &self,
         wire: usize,
@@ -115,7 +115,7 @@ impl Guard {
         s: &Stimulus,
     ) -> Option<(Milliamps, Option<Reason>)> {
         let settable = self.settable.as_ref()?;
-        // A pulse of the stimulus before may still come: it was booked with the current that is set.
+        // A pulse of the stimulus before may still come, and it was booked with the current that is set now.
         let end = self.wires.get(wire)?.burst.map(|burst| burst.end());
         let is_off = end.is_none_or(|end| at >= end + self.plant.surplus());
         let most = match is_off {
@@ -126,7 +126,7 @@ impl Guard {
         Some((s.peak.min(most), reason))
     }
 
-    /// The plant by which a stimulus of this current counts: with the larger of it and of what may be set.
+    /// The plant by which a stimulus of this current counts: the larger of it and of the current that may be set.
     pub(super) fn counting(&self, wire: usize, commanded: Option<Milliamps>) -> Plant {
         let confirmed = self.settable.as_ref().and_then(|s| s.confirmed(wire));
         self.counting_after(confirmed, commanded)
@@ -149,7 +149,7 @@ impl Guard {
         }
     }
 
-    /// The plant by which what flows in a wire now counts.
+    /// The plant by which the present current of a wire counts.
     pub(super) fn flowing(&self, wire: usize) -> Plant {
         self.counting(wire, Some(Milliamps(0)))
     }

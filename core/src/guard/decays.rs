@@ -1,4 +1,4 @@
-//! Energy that fades at fourteen rates at once: what a stretch of time does to it, and what a burst adds.
+//! Energy that fades at fourteen rates at once: the effect of a stretch of time, and the addition of a burst.
 //!
 //! Sums are taken in the order of the rates and never reordered, so that every machine predicts the same bits.
 
@@ -6,10 +6,10 @@ use crate::units::Duration;
 
 use super::table::{DECAYS, SLOWEST};
 
-/// One number a decay.
+/// One number per decay.
 pub(super) type Decays = [f64; DECAYS];
 
-/// Their rates, 1/s.
+/// Rates of the decays, 1/s.
 pub(super) const RATES: Decays = {
     let mut rates = [SLOWEST; DECAYS];
     let mut k = 1;
@@ -53,7 +53,7 @@ impl Stretch {
         }
     }
 
-    /// Energies at the end.
+    /// Energies at the end of the stretch, J.
     pub(super) fn end(&self, energy: &Decays, joules: f64) -> Decays {
         core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
     }

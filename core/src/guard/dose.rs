@@ -2,8 +2,8 @@
 
 use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, LN_HENRIQUES_A, ZERO_CELSIUS_K};
 
-/// The dose left is never spent faster than in this time, s: a wire near its dose limit fades with it, and
-/// what cooling skin still adds to its dose after the last burst (a few seconds' worth) is well covered.
+/// Time in which the dose left is spent at the fastest, s. A wire near its dose limit fades with it, and it covers
+/// the few seconds' worth of dose that cooling skin still adds after the last burst.
 const HORIZON_S: f64 = 60.0;
 
 /// Both doses of skin 0.1 mm deep.
@@ -25,7 +25,7 @@ impl Doses {
         }
     }
 
-    /// The larger of both in each.
+    /// The larger dose of each kind.
     #[must_use]
     pub const fn max(self, other: Self) -> Self {
         Self {
@@ -43,7 +43,7 @@ pub(super) struct Dose {
     rates: Rates,
 }
 
-/// Dose a second.
+/// Dose per second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rates {
     omega: f64,
@@ -111,8 +111,8 @@ impl Dose {
             && limits.cem43_min - self.cem43_min > least.cem43_min
     }
 
-    /// The temperature, degrees C, at which what is left of both doses lasts for [`HORIZON_S`]; far below
-    /// any skin when nothing is left.
+    /// The temperature, degrees C, at which the rest of both doses lasts for [`HORIZON_S`]; far below any skin when
+    /// nothing is left.
     pub(super) fn ceiling_c(&self, limits: &Doses) -> f64 {
         let rate = |left: f64| left.max(f64::MIN_POSITIVE) / HORIZON_S;
         let omega = rate(limits.omega - self.omega);

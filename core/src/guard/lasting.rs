@@ -1,7 +1,7 @@
 //! The length that a session may last before the dose row begins to fade bursts that come over and over.
 //!
 //! The tissue's memory is linear: after m rounds of the same bursts each decay holds its energy of one round times a
-//! geometric sum. So a day of rounds is told from a few dozen of them, at the temperatures by which the guard decides.
+//! geometric sum. A few dozen rounds therefore give a day of them, at the temperatures by which the guard decides.
 
 use crate::schedule::Entry;
 use crate::units::{Duration, Instant, Ticks};
@@ -12,8 +12,8 @@ use super::dose::{Dose, Doses};
 use super::kernel::Kernel;
 use super::table::LATENT_K;
 
-/// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
-/// burst lies in one.
+/// First stretch in which tissue is taken to cool along a chord. The guard's own chords end with bins of twice that
+/// length, wherever a burst lies in one.
 const STRIDE: Duration = Duration::from_millis(125);
 
 /// A burst on one wire, as the guard books it.
@@ -40,7 +40,7 @@ struct Round {
     kernel: Kernel,
 }
 
-/// Tissue 0.1 mm deep, degrees C, at so many kelvin above skin at rest without a wire's heat.
+/// Temperature of tissue 0.1 mm deep, degrees C, `rest_k` kelvin above skin at rest without a wire's heat.
 fn shallow_c(kernel: &Kernel, energy: &Decays, rest_k: f64) -> f64 {
     kernel.rest_c + rest_k + LATENT_K[0] + dot(&kernel.shallow, energy)
 }
@@ -160,7 +160,7 @@ impl Guard {
             let next = rounds + (rounds / 2).max(1);
             let there = round(after(next), &mut known);
             let n = (next - rounds) as f64;
-            // Rounds between the two are taken to differ evenly.
+            // Rounds between the two are taken to differ by even steps.
             let mean = |a: f64, b: f64| f64::midpoint(a, b);
             let more = (
                 n * mean(here.dose.omega, there.dose.omega),

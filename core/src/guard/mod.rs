@@ -56,7 +56,7 @@ use watchdog::Watchdog;
 pub struct Setting {
     /// Tick at which the pulse starts in each period.
     pub on: u16,
-    /// Tick at which it ends; equal to `on` for a channel that is off.
+    /// Tick at which the pulse ends; equal to `on` for a channel that is off.
     pub off: u16,
 }
 
@@ -96,7 +96,7 @@ impl Guarded {
         self.at
     }
 
-    /// The board it is for.
+    /// The board that the update is for.
     pub const fn board(&self) -> Board {
         self.board
     }
@@ -165,20 +165,20 @@ struct Running {
 
 /// The guard of one fingertip: every limit of the table, from above.
 ///
-/// Heat and dose count from its making; neither the way back nor anything else clears them.
+/// Heat and dose count from its making; a reset keeps them, as everything else does.
 #[derive(Clone, Debug)]
 pub struct Guard {
     limits: Limits,
     plant: Plant,
     wires: Box<[WireState]>,
     fingertip: Bucket,
-    /// The rows of heat and dose; `None` in a guard that is another one's last word.
+    /// The rows of heat and dose; `None` in a guard that is another guard's last word.
     heat: Option<Box<Heat>>,
     /// The wire of those rows.
     worn: Option<WornWire>,
-    /// A burst leaves a part of each budget that fills again.
+    /// True if a burst leaves a part of each budget that fills again.
     fades: bool,
-    /// Amplifiers whose current is set; `None` for those that have one of their own.
+    /// Amplifiers whose current is set; `None` for those with a current of their own.
     settable: Option<Box<Settable>>,
     watchdog: Watchdog,
     overrun: Option<Overrun>,
@@ -192,7 +192,8 @@ impl Guard {
     /// A guard over a display's wires, each of them a `worn` one. Limits looser than [`HARD`] are tightened to it.
     ///
     /// # Errors
-    /// When the plant's figures are none a wire can have, or there are no rows of heat for such a wire or finger.
+    /// [`PlantError`] when no wire can have the plant's figures, or there are no rows of heat for such a wire or
+    /// finger.
     pub fn new(
         limits: Limits,
         plant: Plant,
@@ -210,7 +211,7 @@ impl Guard {
     /// floating point: pulse, burst, energy, power, supply, staleness and latch.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn last_word(
         limits: Limits,
         plant: Plant,
@@ -220,7 +221,7 @@ impl Guard {
         plant.check()?;
         let kernel = worn.map(|worn| worn.kernel()).transpose()?;
         let limits = limits.tightened();
-        // What is booked at an onset reaches as far beyond it.
+        // A burst booked at an onset reaches this far beyond it.
         let reach = limits.burst + plant.latency() + plant.surplus();
         let bucket = |short: (u64, u64), long: (u64, u64)| {
             let window = |(seconds, mean_uw): (u64, u64)| Window {
@@ -267,7 +268,7 @@ impl Guard {
         self.plant.surplus()
     }
 
-    /// The most that was predicted under any wire so far, for what has been passed; skin at rest where
+    /// The most that was predicted under any wire so far, for all that has passed; skin at rest where
     /// [`Self::has_heat`] is false.
     pub fn predicted(&self) -> &Predicted {
         self.heat
@@ -275,7 +276,7 @@ impl Guard {
             .map_or(&Predicted::REST, |heat| &heat.predicted)
     }
 
-    /// The wire and finger that its thermal rows are of; `None` without them.
+    /// The wire and finger of its thermal rows; `None` without them.
     pub const fn worn(&self) -> Option<WornWire> {
         self.worn
     }
@@ -310,8 +311,8 @@ impl Guard {
         self.watchdog.deadline()
     }
 
-    /// The watchdog's look at `now`: the cause to switch everything off for, if there is one. Call it
-    /// whenever the loop runs, and at [`Self::deadline`] at the latest.
+    /// Lets the watchdog look at `now`, and returns the cause to switch everything off for, if there is one. The loop
+    /// calls it at every turn, and at [`Self::deadline`] at the latest.
     pub fn watch(&mut self, now: Instant) -> Option<Cause> {
         let end = self.next_expiry();
         let cause = self.watchdog.look(now, end);
@@ -327,13 +328,13 @@ impl Guard {
         driven.then(|| self.stale_at())
     }
 
-    /// Refuses everything from now on. The first cause is kept, but for a failed bus that became an overrun.
+    /// Refuses everything from now on. The first cause stays, except that an overrun replaces a failed bus.
     pub fn latch(&mut self, cause: Cause) {
         self.overran = false;
         self.watchdog.latch(cause);
     }
 
-    /// Why everything is refused, if it is.
+    /// The cause for which everything is refused, if it is.
     pub const fn latched(&self) -> Option<Cause> {
         self.watchdog.latched()
     }
@@ -346,11 +347,11 @@ impl Guard {
         self.watchdog.ready(now)
     }
 
-    /// The way back from a latch, for a caller that has seen to it that the outputs are off and their link is
-    /// whole; [`Projector::reset`](crate::projector::Projector::reset) does.
+    /// Opens the latch, for a caller that has made sure that the outputs are off and their link is whole;
+    /// [`Projector::reset`](crate::projector::Projector::reset) does.
     ///
     /// # Errors
-    /// What is still wrong, as in [`Self::ready`]; the latch stays closed.
+    /// The cause that persists, as in [`Self::ready`]; the latch stays closed.
     pub fn reset(&mut self, now: Instant) -> Result<(), Cause> {
         self.ready(now)?;
         self.watchdog.open();
@@ -373,8 +374,7 @@ impl Guard {
         self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// Admits stimuli like [`Self::admit`], but wires without one go on unchanged. A stimulus without width ends its
-    /// wire.
+    /// Admits stimuli like [`Self::admit`], but lets wires without one go on. A stimulus without width ends its wire.
     pub fn change(
         &mut self,
         at: Instant,
@@ -388,7 +388,7 @@ impl Guard {
         self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// The stimuli of one board, each as `judge` leaves it, added to an `update` that ended those before them.
+    /// Adds the stimuli of one board, each as `judge` leaves it, to an `update` that ended those before them.
     fn pass(
         &mut self,
         mut update: Guarded,

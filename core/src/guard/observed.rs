@@ -1,6 +1,7 @@
-//! A run that the guard only observes: it books what is driven, notes what it would have done, and changes nothing.
+//! A run that the guard only observes: it books what is driven, notes the changes that it would have made, and makes
+//! none.
 //!
-//! For emulated benches alone. What comes of it is a type of its own that no driver takes.
+//! Only emulated benches have such a run. Its updates have a type of their own that no driver takes.
 
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Instant, Milliamps};
@@ -37,7 +38,7 @@ impl Observed {
         self.board
     }
 
-    /// Every channel that carries a wire, by number, also those that stay as they are.
+    /// Settings of every channel that carries a wire, by number, unchanged ones too.
     pub const fn channels(&self) -> &[Option<Setting>; 16] {
         &self.channels
     }
@@ -65,14 +66,14 @@ impl Guard {
         update.changes().then(|| self.observed(&update))
     }
 
-    /// Ends what has ended by `at` on one board. `None` where nothing has.
+    /// Ends the stimuli of one board that are over at `at`. `None` where none is.
     #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
         let update = self.expire(at, board);
         update.changes().then(|| self.observed(&update))
     }
 
-    /// Emulated registers hold what was observed: every current in it was set.
+    /// Confirms an observed update: emulated registers hold it, and every current in it was set.
     #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn confirm_observed(&mut self, update: &Observed) {
         let current = |channel: u8| {

@@ -19,14 +19,14 @@ pub struct Plant {
     pub prescale: Prescale,
     /// Resistance of one wire with its leads, milliohms.
     pub wire_milliohm: u32,
-    /// Current that the amplifiers give whenever a pulse is high; of those whose current is set, the most they can.
+    /// Current that the amplifiers give whenever a pulse is high; the most that they can where their current is set.
     pub peak: Milliamps,
     /// The longest that transfers of other displays may hold up one of these boards on a shared bus; else zero.
     pub bus: Duration,
 }
 
 impl Default for Plant {
-    /// 75 um wires of 1.9 Ohm at 990 mA and 197 Hz: a current that contacts can sustain as long as they move.
+    /// The plant of 75 um wires of 1.9 Ohm at 990 mA and 197 Hz: contacts can sustain that current while they move.
     fn default() -> Self {
         Self {
             prescale: Prescale::new(30),
@@ -37,11 +37,11 @@ impl Default for Plant {
     }
 }
 
-/// Why a guard cannot protect this hardware.
+/// Reasons for which a guard cannot protect this hardware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlantError {
-    /// Resistance or current is zero or absurd (over 1 kOhm or 100 A).
+    /// A resistance or current that is zero or absurd (over 1 kOhm or 100 A).
     #[error(
         "expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA"
     )]
@@ -94,7 +94,7 @@ impl Plant {
         }
     }
 
-    /// Ticks' divider, PRE_SCALE + 1.
+    /// Divider of the ticks, PRE_SCALE + 1.
     const fn divider(&self) -> u64 {
         self.prescale.get() as u64 + 1
     }
@@ -123,7 +123,7 @@ impl Plant {
         Duration::from_micros((self.tick_ps() * Ticks::PER_PERIOD as u64).div_ceil(1_000_000))
     }
 
-    /// Microseconds that no period is shorter than. An internal oscillator promises nothing.
+    /// Shortest period, microseconds. An internal oscillator promises none.
     const fn shortest_us(&self) -> u64 {
         let clock = self.prescale.clock();
         match clock.tolerance_ppm() {
@@ -154,9 +154,9 @@ impl Plant {
     /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all clocks and phases.
     ///
     /// Each period of length T that starts within the span, lengthened by the bus to S, brings
-    /// `I^2 R T width / 4096`, and `floor(S / T) + 1` can. At the slowest T that are n = ceil(S / T). A faster
-    /// clock fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that
-    /// fast, n it stays.
+    /// `I^2 R T width / 4096`, and `floor(S / T) + 1` can. At the slowest T that are n = ceil(S / T). A faster clock
+    /// fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that fast, n
+    /// stays.
     pub(super) fn energy_nj(&self, width: u16, span: Duration) -> u64 {
         let span = (span + self.switching()).as_micros();
         let slowest = self.period().as_micros();
@@ -180,11 +180,11 @@ impl Plant {
         nj.min(u128::from(u64::MAX / 4)) as u64
     }
 
-    /// Electrical energy, nJ, beyond what a stimulus was booked with, of one that ended `late`.
+    /// Electrical energy, nJ, beyond the booking of a stimulus that ended `late`.
     ///
-    /// On a clock of stated tolerance that is what the whole span counts more: the half period of
-    /// [`Prescale::counted`] is not counted twice, and a host that is a little late costs nothing. On the internal
-    /// oscillator the booking says nothing of *when* within it pulses came: what is late counts by itself.
+    /// On a clock of stated tolerance that is the excess of the whole span: the half period of [`Prescale::counted`]
+    /// is not counted twice, and a host that is a little late costs nothing. On the internal oscillator the booking
+    /// leaves open *when* within it pulses came, so the late part counts by itself.
     pub(super) fn late_nj(&self, width: u16, planned: Duration, late: Duration) -> u64 {
         if self.prescale.clock().tolerance_ppm().is_none() {
             return self.energy_nj(width, late);

@@ -26,7 +26,7 @@ pub struct Spent {
 }
 
 impl Spent {
-    /// All that there is, now.
+    /// All energy of a bucket, spent now.
     pub(super) const ALL: Self = Self {
         pj: u64::MAX,
         ago: Duration::ZERO,
@@ -41,7 +41,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Energy that fits in.
+    /// Energy that fits in the window, pJ.
     const fn energy_pj(self) -> u64 {
         self.mean_uw.saturating_mul(self.length.as_micros())
     }
@@ -94,7 +94,7 @@ impl Bucket {
         self.left_pj_at(at).saturating_add(refill) / 1000
     }
 
-    /// The part of what may be spent at once that is spent at `at`; all of nothing.
+    /// The share of the bucket that is spent at `at`; all of an empty capacity.
     pub(super) fn used_at(&self, at: Instant) -> f64 {
         match self.capacity_pj {
             0 => 1.0,
@@ -110,7 +110,7 @@ impl Bucket {
         }
     }
 
-    /// Goes on at `at` from what was spent before.
+    /// Resumes at `at` from the energy that was spent before.
     pub(super) fn recall(&mut self, spent: &Spent, at: Instant) {
         let refill = self.rate_uw.saturating_mul(spent.ago.as_micros());
         let left = self.capacity_pj.saturating_sub(spent.pj);

@@ -1,9 +1,9 @@
-//! The thermal budget: what the skin under each wire will come to, from above over the whole parameter range.
+//! The thermal budget: predicted temperature of the skin under each wire, from above over the whole parameter range.
 //!
-//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients are the wire's [`Kernel`]: nowhere below
-//! the response of the full model at any corner of the range, at that time or later. So what is
-//! predicted at the end of a burst is also the most that can come after it. A wire's memory is one number a
-//! decay, the bins of its 10 s mean, and its dose.
+//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients are the wire's [`Kernel`]: nowhere
+//! below the response of the full model at any corner of the range, at that time or later. The prediction at the end
+//! of a burst is therefore also the most that can come after it. A wire's memory is one number per decay, the bins of
+//! its 10 s mean, and its dose.
 //!
 //! Heat is booked no earlier than the chip can deliver it: a response that falls with time makes the later
 //! booking the hotter one. That allows for every oscillator, the bus, and the place of a pulse in its period.
@@ -38,7 +38,7 @@ const LOOKS: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Heat {
     pub(super) budget: Budget,
-    /// One per wire.
+    /// Tissue under each wire.
     pub(super) tissues: Box<[Tissue]>,
     pub(super) predicted: Predicted,
     /// Temperature of the tissue without a wire's heat.
@@ -57,7 +57,7 @@ impl Heat {
     }
 }
 
-/// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
+/// The limits of the budget, as temperatures above rest of skin without latent heat, and the sums that look ahead.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
     /// The effect of a joule, and the tissue without it.
@@ -66,7 +66,7 @@ pub(super) struct Budget {
     mean_k: f64,
     deep_k: f64,
     dose: Doses,
-    /// More dose left than this allows more than the peak does.
+    /// Dose left beyond which the dose allows more than the peak does.
     ample: Doses,
     felt: Sums<{ 2 + LOOKS }>,
     pub(super) stretches: Stretches,
@@ -86,7 +86,7 @@ struct Felt {
 /// The guard's knowledge of the skin under one wire.
 #[derive(Clone, Debug)]
 pub(super) struct Tissue {
-    /// Booked until here, in a time that began with the first run of the session.
+    /// Time until which everything is booked, counted from the first run of the session.
     pub(super) at: Instant,
     /// Start of this run in that time.
     pub(super) begun: Duration,
@@ -95,8 +95,8 @@ pub(super) struct Tissue {
     /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
     pub(super) bins: [f64; BINS],
     pub(super) dose: Dose,
-    /// No skin was warmer before the next heat, degrees C, whatever the energies say: those of a reserve lie above all that
-    /// can have been.
+    /// Upper bound of the skin's temperature before the next heat, degrees C, whatever the energies tell: those of a
+    /// reserve lie above all that can have been.
     pub(super) most_c: f64,
     /// The excess over skin at rest without the wire's heat, K; never less than zero.
     pub(super) face_k: f64,
@@ -143,7 +143,7 @@ impl Predicted {
         }
     }
 
-    /// Takes over what is higher.
+    /// Takes over each figure that is higher.
     pub(super) fn raise(&mut self, other: &Self) {
         self.peak_c = self.peak_c.max(other.peak_c);
         self.mean_c = self.mean_c.max(other.mean_c);
@@ -222,7 +222,7 @@ impl Budget {
         self.dose
     }
 
-    /// The power, W, that may flow evenly where a watt warms tissue by so many K at 0.1 and at 0.4 mm.
+    /// The power, W, that may flow evenly where a watt warms tissue by `shallow` K at 0.1 mm and `deep` K at 0.4 mm.
     pub(super) fn even_w(&self, shallow: f64, deep: f64) -> f64 {
         (self.mean_k / shallow).min(self.deep_k / deep)
     }
@@ -254,8 +254,8 @@ impl Tissue {
         }
     }
 
-    /// Electrical energy, J, that a booking may bring until a limit is met, and which: not more than zero if
-    /// one is met without it.
+    /// Electrical energy, J, that a booking may bring until a limit is met, and that limit; at most zero if one is
+    /// met already.
     pub(super) fn room(&mut self, budget: &mut Budget, booking: Booking) -> (f64, Reason) {
         self.relax((&budget.kernel, &mut budget.stretches), booking.from);
         let span = booking.until.since(booking.from);
@@ -356,7 +356,7 @@ impl Tissue {
         (predicted, left)
     }
 
-    /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
+    /// Raises the rows of heat to their shares here at `now`, or at the end of the bookings if that is later.
     pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
@@ -376,8 +376,8 @@ impl Tissue {
         );
     }
 
-    /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
-    /// there the steps grow. What bins held then is shifted out by as many bins as are kept.
+    /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters, so the
+    /// steps grow there. The bins of that time are shifted out, as many as are kept.
     pub(super) fn relax(&mut self, (kernel, stretches): (&Kernel, &mut Stretches), to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
@@ -392,7 +392,7 @@ impl Tissue {
         }
     }
 
-    /// A stretch within one bin.
+    /// Books `joules` over a stretch within one bin.
     fn step(
         &mut self,
         (kernel, stretches): (&Kernel, &mut Stretches),
@@ -419,7 +419,7 @@ impl Tissue {
         }
     }
 
-    /// Skin 0.1 mm deep, degrees C, where it is booked until.
+    /// Temperature of skin 0.1 mm deep, degrees C, at the end of the bookings.
     pub(super) fn shallow_c(&self, kernel: &Kernel) -> f64 {
         let warmth_k = dot(&kernel.shallow, &self.energy);
         let shallow_c = kernel.rest_c + self.face_k + LATENT_K[0] + warmth_k;

@@ -77,7 +77,7 @@ pub struct Calibration {
     wires: Box<[(f32, f32)]>,
 }
 
-/// Why a calibration is refused.
+/// Reasons for which a calibration is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {

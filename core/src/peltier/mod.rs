@@ -57,7 +57,7 @@ pub struct Regulated {
     pub face_c: Option<f64>,
     /// Temperature that the control aims at now, degrees C; `None` without an aim.
     pub aim_c: Option<f64>,
-    /// Why the current is not the one that the control asked for.
+    /// The reason for which the current is not the one that the control asked for.
     pub reason: Option<PeltierReason>,
 }
 

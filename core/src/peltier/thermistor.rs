@@ -7,7 +7,7 @@ const OPEN_ABOVE: u16 = 3700;
 /// Codes below this are of none hotter than 80 degrees C: the leads touch.
 const SHORT_BELOW: u16 = 400;
 
-/// Why a thermistor tells no temperature.
+/// Reasons for which a thermistor tells no temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorFault {

@@ -1,7 +1,7 @@
 //! Bow of a wire: its length moves the skin as a shallow bow between fixed ends, with tissue under it.
 //!
-//! A wire that grows by dL bows out by 2 L / (pi^2 s) dL if nothing holds it. Its own bending and the tissue do: what is
-//! left is the share of the bow's stiffness against stretching, K_g, in all stiffnesses. `ci/peers/run bow` holds the
+//! A wire that grows by dL bows out by 2 L / (pi^2 s) dL if nothing holds it. Its own bending and the tissue hold it:
+//! the bow keeps the share of its stiffness against stretching, K_g, in all stiffnesses. `ci/peers/run bow` holds the
 //! gain against a finite-difference beam.
 
 use core::f64::consts::PI;
@@ -31,7 +31,8 @@ pub struct Mount {
 }
 
 impl Mount {
-    /// Clamped, 1 mN, and a sag at which 75 um of wire have the gain 5 that the published range centres on.
+    /// The seat with clamped ends, 1 mN, and a sag at which 75 um of wire have the gain 5 that the published range
+    /// centres on.
     pub const DEFAULT: Self = Self {
         sag_m: 170e-6,
         ends: Ends::Clamped,

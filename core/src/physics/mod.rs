@@ -1,9 +1,8 @@
 //! Materials of wire and finger: plain parameters and constants, no solver.
 //!
 //! The emulators' model and the guard's predictor both start from these numbers and share no code
-//! beyond them. Each default says where it comes from: \[V\] a vendor's or a paper's figure, \[C\]
-//! computed from such, \[A\] assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in
-//! degrees Celsius.
+//! beyond them. Each default names its origin: \[V\] a vendor's or a paper's figure, \[C\] computed from such, \[A\]
+//! assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in degrees Celsius.
 
 mod bow;
 mod curve;
@@ -165,7 +164,7 @@ pub struct WireParameters {
     pub reversible: f64,
     /// Phases that transform beside the martensite.
     pub beside: [Option<Play>; MOST_BESIDE],
-    /// Strain.
+    /// Mechanics of the strain.
     pub mechanics: Mechanics,
     /// Seat of the wire on the finger.
     pub mount: Mount,
@@ -348,7 +347,8 @@ pub struct TissueParameters {
 }
 
 impl TissueParameters {
-    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa over 60 um.
+    /// The finger with a contact of 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa
+    /// over 60 um.
     pub const DEFAULT: Self = Self {
         contact_h: 2000.0,
         contact_fraction: 0.5,

@@ -16,7 +16,7 @@ pub struct Play {
     /// Temperatures of both bands and their rise with stress. Heating and cooling bands may overlap (a hysteresis
     /// narrower than they are) or coincide (none), but may not cross.
     pub bands: Alloy,
-    /// The part of the martensite fraction xi that it is, 1; 0 stands beside the martensite, as the R phase does.
+    /// Share of the martensite fraction xi, 1; 0 stands beside the martensite, as the R phase does.
     pub martensite: f64,
     /// Strain of the whole share, cold against hot, 1; positive is longer.
     pub strain: f64,
@@ -114,8 +114,8 @@ impl Alloy {
 }
 
 impl WireParameters {
-    /// All its plays, under its stress: those of the martensite by the law of hysteresis, its reversible part, and what
-    /// transforms beside it.
+    /// Plays of the wire under its stress: those of the martensite by the law of hysteresis, its reversible part, and
+    /// the phases beside it.
     ///
     /// # Errors
     /// Bands that cross, or a share that cannot be.

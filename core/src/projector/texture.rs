@@ -47,7 +47,7 @@ pub struct TexturePlan {
     pub carrier: Carrier,
 }
 
-/// Why a texture does not fit its skin.
+/// Reasons for which a texture does not fit its skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {

@@ -1,6 +1,6 @@
 //! Places of the taxels: modules, grids, scattered points, and the boards that send them.
 //!
-//! Built from plain data and checked once, so that nothing downstream meets a duplicate, a NaN or an empty
+//! A layout is built from plain data and checked once, so that no later stage meets a duplicate, a NaN or an empty
 //! module. Files and their syntax belong to `hil`.
 
 use alloc::string::String;
@@ -50,10 +50,11 @@ pub struct Address {
 /// Protocols by which a module's board puts its readings on the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Protocol {
-    /// [`crate::codec::uskin`]: one frame per taxel, as its [`Wiring`] says; waits for a command.
+    /// Frames of [`crate::codec::uskin`]: one per taxel, by its [`Wiring`]; the board waits for a command.
     #[default]
     Uskin,
-    /// [`crate::codec::mtb`]: two frames per triangle of twelve taxels, triangles by index; sends by itself.
+    /// Frames of [`crate::codec::mtb`]: two per triangle of twelve taxels, triangles by index; the board sends by
+    /// itself.
     Mtb,
 }
 
@@ -106,7 +107,7 @@ impl Module {
         Self::checked(name, points, Some(grid))
     }
 
-    /// Taxels anywhere, mm, three axes, all active, at the skin's origin.
+    /// Taxels at any places, mm, three axes, all active, at the skin's origin.
     pub fn scattered(name: &str, points: &[Point]) -> Result<Self, LayoutError> {
         if points.len() > MOST_TAXELS {
             return Err(LayoutError::TooManyTaxels {
@@ -170,7 +171,7 @@ impl Module {
         Ok(self)
     }
 
-    /// Says which board sends this module.
+    /// Sets the board that sends this module.
     pub fn with_address(mut self, address: Address) -> Result<Self, LayoutError> {
         if address.board > 15 {
             return Err(LayoutError::BadBoard {
@@ -181,7 +182,7 @@ impl Module {
         Ok(self)
     }
 
-    /// Says how its board speaks.
+    /// Sets the protocol of its board.
     pub const fn with_protocol(mut self, protocol: Protocol) -> Self {
         self.protocol = protocol;
         self
@@ -199,7 +200,7 @@ impl Module {
     pub fn active(&self) -> &[bool] {
         &self.active
     }
-    /// 1 or 3.
+    /// Number of axes, 1 or 3.
     pub fn axes(&self) -> u8 {
         self.axes
     }

@@ -1,9 +1,9 @@
-//! Why a layout is refused: the messages say what was expected.
+//! Reasons for which a layout is refused: the messages state what was expected.
 
 pub(super) const MOST_TAXELS: usize = 1 << 22;
 pub(super) const MOST_MODULES: usize = 4096;
 
-/// Why a layout is refused.
+/// Reasons for which a layout is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LayoutError {

@@ -1,6 +1,6 @@
-//! The relative frame (4.2): how far every taxel is from its reference, and which taxels are in contact.
+//! The relative frame (4.2): the distance of every taxel from its reference, and the taxels in contact.
 //!
-//! Always finite: the only ways in check their input and name the place of what they refuse.
+//! The frame is always finite: the only ways in check their input and name the place of what they refuse.
 
 use alloc::vec::Vec;
 use core::array::from_fn;
@@ -21,7 +21,7 @@ impl Axes {
     /// The normal axis only.
     pub const Z: Self = Self([false, false, true]);
 
-    /// Any choice; `None` if it is empty.
+    /// Axes of any choice; `None` if it is empty.
     pub const fn new(x: bool, y: bool, z: bool) -> Option<Self> {
         if x || y || z {
             Some(Self([x, y, z]))
@@ -36,7 +36,7 @@ impl Axes {
     }
 }
 
-/// Why a relative frame is refused.
+/// Reasons for which a relative frame is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -45,13 +45,13 @@ pub enum FrameError {
     NotFinite {
         /// Taxel, running index.
         taxel: usize,
-        /// 0, 1, 2 for x, y, z.
+        /// Number of the axis: 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// A threshold that is NaN, infinite or negative.
     #[error("the threshold must be finite and not negative")]
     BadThreshold,
-    /// Another number of taxels than the layout, or another layout.
+    /// Readings of another layout, or of another number of taxels.
     #[error("a frame of {got} taxels for a layout of {expected}")]
     OtherLayout {
         /// Taxels given.
@@ -69,7 +69,7 @@ const LARGEST: f32 = 1e9;
 pub struct RelativeFrame {
     starts: Vec<u32>,
     pub(super) axes: [Vec<f32>; 3],
-    /// The raw counts it was made from, and when they were read.
+    /// Raw counts that the frame was made from, and the time at which they were read.
     pub(super) counts: Vec<[u16; 3]>,
     pub(super) at: Instant,
     /// True if the frame was made from those counts with the taxels now left out.
@@ -107,7 +107,8 @@ impl RelativeFrame {
     /// count as 0. For callers with their own reference; [`super::Baseline`] does it from raw counts.
     ///
     /// # Errors
-    /// Wrong length, a value that is no finite number, a bad threshold; the frame is as before then.
+    /// [`FrameError`] for a wrong length, a value that is no finite number, or a bad threshold; the frame is
+    /// unchanged then.
     pub fn load(
         &mut self,
         differences: &[[f32; 3]],
@@ -131,7 +132,7 @@ impl RelativeFrame {
             }
         }
         for (measured, d) in self.measured.iter_mut().zip(differences) {
-            // What is not chosen may be no number.
+            // An axis that is not chosen may hold no number.
             *measured = from_fn(|a| if flags[a] { libm::fabsf(d[a]) } else { 0.0 });
         }
         self.made = false;
@@ -225,16 +226,16 @@ impl RelativeFrame {
         }
     }
 
-    /// |difference| along x, y, z (0..3), counts; 0 where not chosen.
+    /// Differences along x, y, z (0..3), counts, without sign; 0 where the axis is not chosen.
     pub fn axis(&self, axis: usize) -> &[f32] {
         self.axes.get(axis).map_or(&[], Vec::as_slice)
     }
-    /// The raw counts along x, y, z that it was made from; zeros where it was not made from any.
+    /// Raw counts along x, y, z that the frame was made from; zeros where it was made from none.
     pub fn counts(&self) -> &[[u16; 3]] {
         &self.counts
     }
 
-    /// Euclidean norm over the chosen axes, counts.
+    /// Euclidean norms over the chosen axes, counts.
     pub fn magnitude(&self) -> &[f32] {
         &self.magnitude
     }
@@ -277,7 +278,7 @@ fn spread(
     [x, y, z]: [&mut [f32]; 3],
     squares: &mut [f32],
 ) {
-    // A loop over any number is made for many: a module's few taxels would come one at a time.
+    // Compilers make a loop over any number for many taxels: a module's few would come one at a time.
     const FEW: usize = 8;
     if measured.len() > 4 * FEW {
         return several(measured, factor, [x, y, z], squares);

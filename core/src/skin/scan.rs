@@ -43,7 +43,7 @@ impl Scan {
     /// Takes a whole frame at once (a row of a recording); every taxel is then fresh.
     ///
     /// # Errors
-    /// Another number of taxels; nothing has changed then.
+    /// [`WrongLength`] for another number of taxels; nothing has changed then.
     pub fn load(&mut self, at: Instant, counts: &[[u16; 3]]) -> Result<(), WrongLength> {
         if counts.len() != self.counts.len() {
             return Err(WrongLength {
@@ -62,7 +62,7 @@ impl Scan {
     /// Takes one module's scan. The skin is as old as its newest reading.
     ///
     /// # Errors
-    /// A scan that is not of this layout; nothing has changed then.
+    /// [`ScanError`] for a scan that is not of this layout; nothing has changed then.
     pub fn merge(&mut self, layout: &Layout, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
         let (module, modules) = (scan.module, layout.modules().len());
         if usize::from(module) >= modules {
@@ -83,7 +83,7 @@ impl Scan {
         }
         let counts = &mut self.counts[range.clone()];
         let (seen, fresh) = (&mut self.seen[range.clone()], &mut self.fresh[range]);
-        // Mostly everything is there: one copy then, without a branch per taxel.
+        // Most scans are whole: one copy then, without a branch per taxel.
         let partial = scan
             .fresh
             .filter(|f| !f.iter().fold(true, |all, fresh| all & fresh));

@@ -1,7 +1,7 @@
 //! The door of the skin: scans of modules, from any sensor with any layout.
 //!
-//! Health is the projector's, since it serves every skin. What belongs to one kind of sensor (frames that are lost,
-//! boards that wait for a command) stays behind the door, as in [`super::uskin`].
+//! Health is the projector's, since it serves every skin. The matters of one kind of sensor (frames that are lost,
+//! boards that wait for a command) stay behind the door, as in [`super::uskin`].
 
 use core::convert::Infallible;
 
@@ -32,7 +32,7 @@ impl<'a> ModuleScan<'a> {
     }
 }
 
-/// A skin, as the loop reads it.
+/// Source of a skin's scans for the loop.
 pub trait SkinSource {
     /// Error of the source. The loop switches everything off for it.
     type Error: core::error::Error;
@@ -48,7 +48,7 @@ pub trait SkinSource {
     ) -> Result<(), Self::Error>;
 }
 
-/// A skin of which nothing comes, for readings that are pushed.
+/// A skin that sends nothing, for readings that are pushed.
 impl SkinSource for () {
     type Error = Infallible;
 

@@ -34,7 +34,7 @@ pub struct Activation {
     interval: Duration,
 }
 
-/// Why constants are refused.
+/// Reasons for which constants are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActivationError {

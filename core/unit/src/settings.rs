@@ -35,7 +35,7 @@ pub struct Settings<'a> {
     pub converters: Option<Converters<'a>>,
 }
 
-/// Why a unit cannot be built.
+/// Reasons for which a unit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {

@@ -9,7 +9,7 @@ use super::{HealthSettings, JUMPING};
 use crate::units::Instant;
 use crate::vector::Vectors;
 
-/// All readings but two: both ends, or one end and what is beside the other.
+/// All readings but two: both ends, or one end and its neighbour beside the other.
 const SPAN: u16 = u16::MAX - 2;
 
 /// Number of scans taken in one go that keep their changes in few bytes per taxel, before they are added up.
@@ -19,7 +19,7 @@ const BRIEF: usize = 128;
 #[derive(Clone, Debug)]
 struct Together {
     range: Range<usize>,
-    /// Scans that were taken in one go, and when the newest of them came: on top of what its taxels know.
+    /// Scans that were taken in one go, and the time of the newest: on top of the counts of its taxels.
     scans: u32,
     at: Instant,
     /// Times of those scans whose changes are kept briefly: [`BRIEF`] at most.
@@ -28,7 +28,7 @@ struct Together {
     calm: bool,
     /// Time of the newest scan, if every active taxel was in it and well.
     well_at: Option<Instant>,
-    /// No active taxel has last changed before this.
+    /// Time before which no active taxel has last changed.
     moved_at: Instant,
     /// True once the monitor knows whether the skin rests at an end of its range. `rests_at` is that end, if it rests
     /// at one: only skins of one axis do.
@@ -36,7 +36,7 @@ struct Together {
     rests_at: Option<u16>,
 }
 
-/// A list per quantity, so that many taxels are looked at in one go.
+/// Taxels with a list per quantity, so that one operation looks at many of them.
 #[derive(Clone, Debug)]
 pub(super) struct Taxels {
     settings: HealthSettings,
@@ -45,7 +45,7 @@ pub(super) struct Taxels {
     module: Vec<u16>,
     pub(super) active: Vec<bool>,
     single_axis: Vec<bool>,
-    /// Readings from here on, [`SPAN`] of them, need no closer look.
+    /// First of [`SPAN`] readings that need no closer look.
     low: Vec<[u16; 3]>,
     /// The newest readings; 0 before the first.
     counts: Vec<[u16; 3]>,
@@ -58,7 +58,7 @@ pub(super) struct Taxels {
     /// scan, from 1; 0 for none.
     lately: Vec<u8>,
     changed_in: Vec<u8>,
-    /// 16 a jump, one less a quiet reading.
+    /// Tally of jumps: 16 more for a jump, one less for a quiet reading.
     jumps: Vec<u16>,
     /// True if the newest reading was a jump.
     jumped: Vec<bool>,
@@ -146,7 +146,7 @@ impl Taxels {
         self.jumps[index] >= JUMPING
     }
 
-    /// Readings so far, and when the newest came.
+    /// Readings so far, and the time of the newest.
     pub(super) fn received(&self, index: usize) -> Option<(u32, Instant)> {
         let own = *self.received.get(index).filter(|n| **n > 0)?;
         let together = &self.modules[usize::from(self.module[index])];
@@ -162,7 +162,7 @@ impl Taxels {
         lately.copied().unwrap_or(self.changed_at[index])
     }
 
-    /// Changes so far, and when the first reading came.
+    /// Changes so far, and the time of the first reading.
     pub(super) fn changes(&self, index: usize) -> (u32, Instant) {
         let lately = u32::from(self.lately[index]);
         let changed = self.changed[index].saturating_add(lately);
@@ -225,8 +225,8 @@ impl Taxels {
         self.low[range].iter_mut().for_each(|axes| axes[2] = low);
     }
 
-    /// Takes the counts, and notes which bits are other than before. Where it returns true, no value jumps and none is at
-    /// an end of its range: one look at all of it, without a branch.
+    /// Takes the counts, and notes the bits that differ from before. Returns true if no value jumps and none is at an
+    /// end of its range: one look at all of it, without a branch.
     fn compare(&mut self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
         let counts = self.counts[range.clone()].as_flattened_mut();
@@ -276,7 +276,7 @@ impl Taxels {
                 count(news, lately, changed_in, number)
             },
         );
-        // Taxels only ever change later: what none was before, none is.
+        // Taxels only ever change later: a time that was after all of them still is.
         if at.since(together.moved_at) > self.settings.frozen_after {
             self.find_moved(module);
         }
@@ -287,7 +287,7 @@ impl Taxels {
         }
     }
 
-    /// Adds what was kept briefly to the rest.
+    /// Adds the changes that were kept briefly to the others.
     fn add_up(&mut self, module: usize) {
         let together = &self.modules[module];
         if together.brief.is_empty() {
@@ -312,7 +312,7 @@ impl Taxels {
         self.modules[module].moved_at = moved_at.unwrap_or(Instant::ZERO);
     }
 
-    /// Taxel by taxel.
+    /// Observes a module taxel by taxel.
     fn observe_each(&mut self, scan: &Scan, module: usize) -> Seen {
         self.add_up(module);
         let at = scan.at();
@@ -369,7 +369,8 @@ impl Taxels {
     }
 }
 
-/// 1 for active taxels any of whose bits differ. A function of slices, so that compilers know that none overlap.
+/// Marks active taxels any of whose bits differ with 1. It is a function of slices, so that compilers know that none
+/// overlap.
 #[inline(always)]
 fn find(bits: &[[u16; 3]], active: &[bool], news: &mut [u8]) {
     for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
@@ -377,7 +378,7 @@ fn find(bits: &[[u16; 3]], active: &[bool], news: &mut [u8]) {
     }
 }
 
-/// Counts what is new in scan `number`; whether anything is.
+/// Counts the news in scan `number`; returns true if there is any.
 #[inline(always)]
 fn count(news: &[u8], lately: &mut [u8], changed_in: &mut [u8], number: u8) -> bool {
     let mut any = 0;

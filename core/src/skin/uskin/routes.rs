@@ -64,7 +64,7 @@ impl Routes {
     }
 }
 
-/// The board that sends under `id` where boards speak so.
+/// The number of the board that sends under `id` by this protocol.
 fn number(protocol: Protocol, id: u16) -> Option<u8> {
     match protocol {
         Protocol::Uskin => Some(sender(id).0),
