@@ -72,7 +72,7 @@ impl BoardConfig {
     }
 }
 
-/// Why a board cannot be built.
+/// Reasons for which a board cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoardError {
     /// The address or a place of the wiring does not fit its field of an identifier.

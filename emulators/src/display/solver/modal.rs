@@ -149,7 +149,7 @@ impl Mode {
         nodes
     }
 
-    /// Temperature of the first shell above the body's.
+    /// Temperature of the first shell above the body's, K.
     pub(super) fn first_shell(&self, z: &[f64; NODES]) -> f64 {
         dot(Scalar, &self.shape[1], z)
     }
@@ -217,7 +217,7 @@ impl Propagator {
         out
     }
 
-    /// (t - rise) / lambda, s2: what a step that turns out to be taken also needs.
+    /// Further term (t - rise) / lambda, s2, for a step that turns out to be taken.
     #[inline(always)]
     pub fn ramp(&self, mode: &Mode) -> [f64; NODES] {
         let t = self.seconds;

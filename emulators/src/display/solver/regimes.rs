@@ -15,7 +15,7 @@ pub(super) const REGIMES: usize = 96;
 pub(super) struct Regimes(Arc<Mutex<VecDeque<Arc<Mode>>>>);
 
 impl Regimes {
-    /// The regime `key` of `network`, which is the same in every call.
+    /// The regime `key` of `network`; every call has to give the same network.
     pub(super) fn of(&self, network: &ThermalNetwork, key: ModeKey) -> Arc<Mode> {
         // A thread that panicked with the lock held left a whole list behind.
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);

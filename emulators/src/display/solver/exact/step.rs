@@ -217,8 +217,8 @@ impl Exact {
         }
     }
 
-    /// The course of a step with this time integral of its coordinates, which goes to the coordinates `end`, where the
-    /// wire is `wire` K above the body.
+    /// The course of a step that has this time integral of its coordinates and ends at the coordinates `end`, with
+    /// the wire `wire` K above the body.
     #[inline(always)]
     fn course<S: Simd>(
         &self,
@@ -330,7 +330,7 @@ impl Exact {
 struct Start {
     wire_c: f64,
     heat: Heat,
-    /// Into the wire at the body's temperature, W.
+    /// Heat into the wire at the body's temperature, W.
     power: f64,
     /// Rate of change of the coordinates, 1/s of theirs.
     rate: [f64; NODES],
