@@ -120,7 +120,7 @@ pub struct TestArgs {
     /// Emulated trials at a time (default: as many as there are cores).
     #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
     pub jobs: Option<usize>,
-    /// On which bench.
+    /// Bench of the runs.
     #[command(flatten)]
     pub on: Buses,
     /// A value in place of each scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`), as for
@@ -142,7 +142,7 @@ pub struct TestArgs {
     /// Write the results as one page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }

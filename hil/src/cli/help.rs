@@ -96,7 +96,7 @@ fn groups(command: &Command) -> String {
     text
 }
 
-/// What a command does, in its first sentence.
+/// The first sentence of a command's description.
 fn sentence(command: &Command) -> String {
     let about = command.get_about().map(ToString::to_string);
     let about = about.unwrap_or_default();
