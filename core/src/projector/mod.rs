@@ -390,7 +390,7 @@ impl Projector {
         let (levels, top) = match &self.sensing.compressor().settings().levels {
             Levels::Off => (1, None),
             Levels::Table(table) => (table.values().len().try_into().unwrap_or(u16::MAX), None),
-            // As few as the frame's contacts: the strongest has the top one.
+            // A frame may have fewer contacts than levels; its strongest gets the top level.
             Levels::Dynamic(k) => (*k, ours().map(|c| c.level).max()),
         };
         let above = levels.saturating_sub(top.unwrap_or(levels));
