@@ -162,9 +162,9 @@ pub enum Command {
     ///
     /// Boards stand on CAN interfaces, the display behind a /dev/i2c-N, until stopped.
     Emulate(EmulateArgs),
-    /// Be a driver unit, which plays what a host sends.
+    /// Be a driver unit, which plays the stimuli of a host.
     ///
-    /// What comes over UDP goes through a guard of its own to emulated boards, or to those of an I2C adapter, until stopped.
+    /// Stimuli from UDP pass its own guard to emulated boards, or to those of an I2C adapter, until stopped.
     Unit(UnitArgs),
     /// Show a run, or a recording of one, in browsers.
     ///
@@ -200,20 +200,20 @@ pub enum Command {
     Compare(CompareArgs),
     /// Compute how makes of wire and patterns of pulses are felt.
     ///
-    /// Tissue temperature and current stand beside what is felt.
+    /// The table has tissue temperature and current beside the felt level.
     Design(DesignArgs),
     /// List scenes, benches, layouts, wires, laws: all there is.
     ///
-    /// What is built in comes first, then what lies in this folder.
+    /// Built-in files come first, then those of this folder.
     List(ListArgs),
-    /// Write a commented file of what differs from the defaults.
+    /// Write a commented file with the values that differ from the defaults.
     #[command(subcommand)]
     New(NewKind),
-    /// Say everything that is wrong with settings files.
+    /// List all errors of settings files.
     ///
-    /// Files may be of any kind. Exits with 1 if something is wrong.
+    /// Files may be of any kind. Exits with 1 if there is an error.
     Check(CheckArgs),
-    /// Write what a scene makes, for other programs.
+    /// Write the readings of a scene, and other files, for other programs.
     #[command(subcommand)]
     Export(ExportKind),
     /// Train, map and try the texture model.
@@ -244,7 +244,7 @@ pub enum Command {
 /// The bench of a command, and the seed.
 #[derive(Debug, Default, Args)]
 pub struct Buses {
-    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    /// A built-in bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the bench real.
@@ -305,8 +305,7 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
-    /// column whose name says that it holds times).
+    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
     #[arg(
         long,
         value_name = "COLUMN[:UNIT]",
@@ -345,7 +344,7 @@ pub struct RunArgs {
     /// Print every figure in place of the eight lines.
     #[arg(long, conflicts_with_all = ["json", "quiet"])]
     pub long: bool,
-    /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
+    /// Let the guard only observe: it notes each change that it would make, and makes none. Emulated benches only.
     #[arg(long, conflicts_with = "junit")]
     pub observe: bool,
     /// Print the plan before the run, and the work done and left out after it.
@@ -387,7 +386,7 @@ pub struct RunArgs {
     /// Render contacts of `inverse` in this style: smooth (a vibration), tap, or auto (taps while a contact rests).
     #[arg(long, value_name = "STYLE")]
     pub render: Option<String>,
-    /// The wearer's calibration that the loop is told, built in or a file, such as `hil study analyse` writes.
+    /// The wearer's calibration for the loop, built in or a file, such as `hil study analyse` writes.
     #[arg(long, value_name = "NAME|FILE")]
     pub wearer: Option<String>,
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
@@ -448,8 +447,7 @@ pub struct ContactsArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
-    /// column whose name says that it holds times).
+    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
     /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so

@@ -24,7 +24,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Publish what a robot's skin feels.
+    /// Publish the readings of a robot's skin.
     Skin(SkinArgs),
     /// Render on a bench's outputs what comes of a finger.
     Display(DisplayArgs),

@@ -114,7 +114,7 @@ pub struct TestArgs {
     /// Say what would be tried, and run nothing.
     #[arg(long, conflicts_with_all = ["accept", "junit", "html"])]
     pub list: bool,
-    /// Keep what the runs do as the goldens of scenes that are files, in `goldens` beside them.
+    /// Keep the runs as the goldens of scenes that are files, in `goldens` beside them.
     #[arg(long)]
     pub accept: bool,
     /// Emulated trials at a time (default: as many as there are cores).

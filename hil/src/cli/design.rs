@@ -30,7 +30,7 @@ pub struct Numbers(pub Vec<f64>);
 /// Options of `hil design`: lists between commas, of which every combination is computed.
 #[derive(Debug, Args)]
 pub struct DesignArgs {
-    /// Wires to start from, built in or files: what they are made of and how they lie on the finger.
+    /// Wires to start from, built in or files: their material and their seat on the finger.
     #[arg(
         long,
         value_name = "NAME|FILE,..",

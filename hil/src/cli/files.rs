@@ -42,7 +42,7 @@ pub struct ListArgs {
     /// Shelves to list (default: all of them).
     #[arg(value_enum, hide_possible_values = false)]
     pub shelves: Vec<Shelf>,
-    /// The folder whose files are listed beside what is built in, with those below it; repeatable (default: this
+    /// The folder whose files are listed beside the built-in ones, with those below it; repeatable (default: this
     /// folder alone).
     #[arg(long, value_name = "DIR")]
     pub dir: Vec<PathBuf>,

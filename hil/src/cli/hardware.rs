@@ -127,7 +127,7 @@ pub struct GuardianArgs {
 /// Options of `hil emulate`.
 #[derive(Debug, Args)]
 pub struct EmulateArgs {
-    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    /// A built-in bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).

@@ -6,7 +6,7 @@ use clap::{Command, CommandFactory};
 
 use super::Cli;
 
-/// Commands by what they are for. One that no group names stands in the last.
+/// Commands by purpose. One that no group names stands in the last.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "serve", "sweep", "design"]),
     ("Compare", &["diff", "compare", "test", "review"]),

@@ -38,8 +38,7 @@ pub struct IdentifyArgs {
     /// Rows per second of a trace without times.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
-    /// `time_us`).
+    /// The column of times, and its unit: s, ms, us or ns (default: a first column `time_us`).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
     /// Amount that the command says.

@@ -10,7 +10,7 @@ use palpate_files::nearest;
 
 use super::command;
 
-/// Options that have another name now: the command, what it was, what it is. An empty name was a place on the line.
+/// Options that have another name now: the command, the old and the new name. An empty name was a place on the line.
 const RENAMED: [(&str, &str, &str); 14] = [
     ("run", "--report", "--html FILE"),
     ("run", "--felt", "--person NAME"),

@@ -14,7 +14,7 @@ pub enum StudyAction {
     New(NewProtocol),
     /// Conduct a participant's session: prints the addresses of the participant's and the experimenter's page.
     Run(StudyRunArgs),
-    /// Write what the answers say into DIR/analysis: a page with figures, tables, wearers' files.
+    /// Write the analysis of the answers into DIR/analysis: a page with figures, tables, wearers' files.
     Analyse(AnalyseArgs),
     /// Let simulated people answer a protocol, and print how well their truth is found again, and how many people a
     /// difference needs.

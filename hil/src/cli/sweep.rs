@@ -47,7 +47,7 @@ pub struct SweepArgs {
     /// Seeds of every combination: 1..20 (both ends count), 1..20:2, or 3,5,8.
     #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds, allow_hyphen_values = true)]
     pub seeds: Seeds,
-    /// A built-in emulated bench or a file (default: what the scene wants, or emulated).
+    /// A built-in emulated bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The table, .csv or .jsonl. Rows that it has are not computed again.

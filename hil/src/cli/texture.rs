@@ -206,10 +206,10 @@ pub struct EncodeArgs {
     /// is refused.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column time_us).
+    /// The column of times, and its unit: s, ms, us or ns (default: a first column time_us).
     #[arg(long, value_name = "COLUMN[:UNIT]")]
     pub time: Option<palpate_files::TimeColumn>,
-    /// Encode rows of another rate than the model was trained on, and say so.
+    /// Encode rows of another rate than the model was trained on, with a note.
     #[arg(long)]
     pub any_rate: bool,
     /// Print a JSON array in place of CSV.
