@@ -1,9 +1,8 @@
-//! What wire and finger are made of: plain parameters and constants, no solver.
+//! Materials of wire and finger: plain parameters and constants, no solver.
 //!
 //! The emulators' model and the guard's predictor both start from these numbers and share no code
-//! beyond them. Each default says where it comes from: \[V\] a vendor's or a paper's figure, \[C\]
-//! computed from such, \[A\] assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in
-//! degrees Celsius.
+//! beyond them. Each default names its origin: \[V\] a vendor's or a paper's figure, \[C\] computed from such, \[A\]
+//! assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in degrees Celsius.
 
 mod bow;
 mod curve;
@@ -76,7 +75,7 @@ impl Alloy {
     };
 }
 
-/// How the martensite fraction follows temperature.
+/// Laws by which the martensite fraction follows temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hysteresis {
     /// Generalised play: xi = min(max(xi, xi_c(T)), xi_h(T)), both branches straight. The default.
@@ -163,13 +162,13 @@ pub struct WireParameters {
     pub hysteresis: Hysteresis,
     /// Share of the martensite that transforms without hysteresis, about the alloy's middle, 1 \[A\]; 0 by default.
     pub reversible: f64,
-    /// What transforms beside the martensite.
+    /// Phases that transform beside the martensite.
     pub beside: [Option<Play>; MOST_BESIDE],
-    /// Strain.
+    /// Mechanics of the strain.
     pub mechanics: Mechanics,
-    /// How it sits on the finger.
+    /// Seat of the wire on the finger.
     pub mount: Mount,
-    /// What it went through, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
+    /// The wire's past, for phases that exclude one another and a bow that saturates ([`Law`]). `None`: plays in
     /// parallel at a constant stress ([`Self::plays`]).
     pub history: Option<History>,
 }
@@ -209,8 +208,8 @@ impl WireParameters {
         ..Self::FINAL
     };
 
-    /// The same wire as it lies on a finger without tension: 10 MPa, a two-way strain of 1 %, an R phase, and a small
-    /// part without hysteresis, all of them \[A\].
+    /// Returns this wire as it lies on a finger without tension: 10 MPa, a two-way strain of 1 %, an R phase, and a
+    /// small part without hysteresis, all of them \[A\].
     #[must_use]
     pub const fn loose(self) -> Self {
         Self {
@@ -225,7 +224,8 @@ impl WireParameters {
         }
     }
 
-    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a history.
+    /// Returns this wire under the tension at which its vendor states its temperatures, 172 MPa; straight, without a
+    /// history.
     #[must_use]
     pub const fn taut(self) -> Self {
         Self {
@@ -258,7 +258,7 @@ impl WireParameters {
         12.0 * self.conductivity * section / self.length_m
     }
 
-    /// Whether every value is one the model can compute with. The ranges stated at the fields lie
+    /// Checks that the model can compute with every value. The ranges stated at the fields lie
     /// well inside.
     ///
     /// # Errors
@@ -347,7 +347,8 @@ pub struct TissueParameters {
 }
 
 impl TissueParameters {
-    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa over 60 um.
+    /// The finger with a contact of 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa
+    /// over 60 um.
     pub const DEFAULT: Self = Self {
         contact_h: 2000.0,
         contact_fraction: 0.5,
@@ -362,7 +363,7 @@ impl TissueParameters {
         contact_width_m: 60e-6,
     };
 
-    /// Whether every value is one the model can compute with.
+    /// Checks that the model can compute with every value.
     ///
     /// # Errors
     /// The name of the first parameter that is not finite or out of range.

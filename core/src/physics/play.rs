@@ -13,10 +13,10 @@ pub const MOST_BESIDE: usize = 4;
 /// straight over their bands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Play {
-    /// Its bands and their rise with stress. Heating and cooling bands may overlap (a hysteresis narrower than they are)
-    /// or coincide (none), but may not cross.
+    /// Temperatures of both bands and their rise with stress. Heating and cooling bands may overlap (a hysteresis
+    /// narrower than they are) or coincide (none), but may not cross.
     pub bands: Alloy,
-    /// The part of the martensite fraction xi that it is, 1; 0 stands beside the martensite, as the R phase does.
+    /// Share of the martensite fraction xi, 1; 0 stands beside the martensite, as the R phase does.
     pub martensite: f64,
     /// Strain of the whole share, cold against hot, 1; positive is longer.
     pub strain: f64,
@@ -49,7 +49,7 @@ impl Play {
 }
 
 impl Alloy {
-    /// The same under a stress: all four temperatures shift by stress over slope.
+    /// Returns the alloy under a stress: all four temperatures shift by stress over slope.
     #[must_use]
     pub fn under(&self, stress_pa: f64) -> Self {
         let shift = (stress_pa - self.reference_stress_pa) / self.stress_per_kelvin;
@@ -63,7 +63,7 @@ impl Alloy {
         }
     }
 
-    /// The same with the hysteresis scaled about its middle: 1 changes nothing, 0 leaves none.
+    /// Returns the alloy with its hysteresis scaled about the middle: 1 changes nothing, 0 leaves none.
     fn narrowed(&self, scale: f64) -> Self {
         let up = (self.austenite_start_c + self.austenite_finish_c) / 2.0;
         let down = (self.martensite_start_c + self.martensite_finish_c) / 2.0;
@@ -90,7 +90,7 @@ impl Alloy {
         }
     }
 
-    /// Whether both bands have a width and do not cross.
+    /// Checks that both bands have a width and do not cross.
     pub(super) fn check_apart(&self) -> Result<(), ParameterError> {
         positive("stress_per_kelvin", self.stress_per_kelvin)?;
         finite("reference_stress_pa", self.reference_stress_pa)?;
@@ -114,8 +114,8 @@ impl Alloy {
 }
 
 impl WireParameters {
-    /// All its plays, under its stress: those of the martensite by the law of hysteresis, its reversible part, and what
-    /// transforms beside it.
+    /// Plays of the wire under its stress: those of the martensite by the law of hysteresis, its reversible part, and
+    /// the phases beside it.
     ///
     /// # Errors
     /// Bands that cross, or a share that cannot be.

@@ -24,7 +24,7 @@ const LOOSE_8MM: Plant = Plant {
     peak: Milliamps(1970),
     bus: Duration::ZERO,
 };
-/// Its wires on a finger of 33 C, for the guard's rows of heat.
+/// The 8 mm wires on a finger of 33 C, for the guard's rows of heat.
 const WORN_8MM: WornWire = WornWire {
     diameter_nm: 75_000,
     length_um: 8_000,

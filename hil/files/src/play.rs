@@ -1,4 +1,4 @@
-//! What transforms in a wire beside its martensite.
+//! Plays that transform in a wire beside its martensite.
 
 use palpate_core::physics::{Alloy, DEEPEST, MOST_BESIDE, Play};
 use serde::Deserialize;
@@ -12,13 +12,13 @@ use super::source::Source;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlayEntry {
-    /// Heating: it begins to turn, degrees C at the reference stress.
+    /// Start of the turn on heating, degrees C at the reference stress.
     pub heating_start_c: f64,
-    /// Heating: all of it has turned, degrees C.
+    /// End of the turn on heating, degrees C.
     pub heating_finish_c: f64,
-    /// Cooling: it begins to turn back, degrees C.
+    /// Start of the turn back on cooling, degrees C.
     pub cooling_start_c: f64,
-    /// Cooling: all of it has turned back, degrees C.
+    /// End of the turn back on cooling, degrees C.
     pub cooling_finish_c: f64,
     /// Stress at which these hold, MPa; left out: 0.
     #[serde(default)]
@@ -37,7 +37,7 @@ const MOST_STRAIN: f64 = {
     slope * slope
 };
 
-/// All plays of a wire, and the strains of all phases together.
+/// Checks the plays of a wire, and the strains of all phases together.
 pub(super) fn check_plays(
     source: &Source,
     plays: &[PlayEntry],
@@ -63,7 +63,7 @@ pub(super) fn check_plays(
 }
 
 impl PlayEntry {
-    /// As the model takes it.
+    /// Parameters of the model's play.
     pub(super) fn play(&self) -> Play {
         Play {
             bands: Alloy {

@@ -1,4 +1,4 @@
-//! Wires and alloys: what a shape-memory wire is made of. The built-in files carry the program's own constants.
+//! Wires and alloys: the figures of shape-memory wires. The built-in files carry the program's own constants.
 
 mod history;
 
@@ -18,25 +18,25 @@ pub(super) use history::check_rest;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WireFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The wire, in a sentence.
     pub description: String,
     /// Diameter, micrometres.
     pub diameter_um: f64,
     /// Length between the crimps, millimetres.
     pub length_mm: f64,
-    /// What makes heat.
+    /// Resistances, which make heat.
     pub electrical: Electrical,
-    /// Where the heat goes.
+    /// Figures of the heat, its store and its ways out.
     pub thermal: ThermalValues,
-    /// How the phase follows the temperature; left out: generalised play.
+    /// The law by which the phase follows the temperature; left out: generalised play.
     #[serde(default = "play", with = "HysteresisLaw")]
     pub hysteresis: Hysteresis,
     /// Share of the martensite that transforms without hysteresis, about the alloy's middle; left out: none.
     #[serde(default)]
     pub reversible: f64,
-    /// What transforms beside the martensite, such as an R phase; left out: nothing.
+    /// Phases that transform beside the martensite, such as an R phase; left out: none.
     #[serde(default)]
     pub plays: Vec<PlayEntry>,
     /// State in which the bench's sag was measured. With it phases exclude one another and the bow saturates; left out: an
@@ -46,18 +46,18 @@ pub struct WireFile {
     pub state: Option<WireState>,
     /// Coldest that a wire has been since it was passed, degrees C; left out: no colder than at rest.
     pub coldest_c: Option<f64>,
-    /// Strain.
+    /// Moduli and strains.
     pub mechanical: Mechanical,
 }
 
-/// Resistance.
+/// Resistance of the wire and its changes.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Electrical {
-    /// Between the terminals, as martensite at 33 C, Ohm.
+    /// Resistance between the terminals, as martensite at 33 C, Ohm.
     pub resistance_ohm: f64,
-    /// Part of it that is wire and not crimps and leads.
+    /// Share of that resistance that is wire and not crimps and leads.
     pub wire_share: f64,
     /// The wire's resistance as austenite over that as martensite.
     pub austenite_ratio: f64,
@@ -65,7 +65,7 @@ pub struct Electrical {
     pub per_kelvin: f64,
 }
 
-/// Heat.
+/// Heat of the wire, its store and its ways out.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -84,7 +84,7 @@ pub struct ThermalValues {
     pub mount_w_k: f64,
 }
 
-/// Strain.
+/// Moduli and strains of the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -106,9 +106,9 @@ pub struct Mechanical {
 choice! {
     /// A state that a wire is brought into by temperature alone.
     WireState {
-        /// All martensite: cooled far below where that begins to form.
+        /// All martensite: cooled far below the temperature at which that begins to form.
         Cold = "cold",
-        /// Heated until all of it was austenite, then cooled to rest.
+        /// A wire that was heated until all of it was austenite, then cooled to rest.
         Passed = "passed",
     }
 }
@@ -126,7 +126,7 @@ const fn play() -> Hysteresis {
     Hysteresis::Play
 }
 
-/// How a file writes a law of hysteresis.
+/// Laws of hysteresis as a file writes them.
 #[derive(Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
 #[serde(
@@ -140,7 +140,7 @@ enum HysteresisLaw {
     Play,
     /// A weighted sum of plays.
     Plays {
-        /// How many, 1 to 16.
+        /// Number of plays, 1 to 16.
         count: u8,
         /// Hysteresis of the narrowest over the alloy's own.
         narrowest: f64,
@@ -152,9 +152,9 @@ enum HysteresisLaw {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AlloyFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The alloy, in a sentence.
     pub description: String,
     /// Heating: austenite begins to form, degrees C.
     pub austenite_start_c: f64,
@@ -174,7 +174,7 @@ impl AlloyFile {
     /// Reads an alloy; [`WireFile::parameters`] checks its temperatures.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let alloy: Self = source.read()?;
         source.heading(&alloy.name, &alloy.description)?;
@@ -214,7 +214,7 @@ impl WireFile {
     /// Reads a wire.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
@@ -252,7 +252,7 @@ impl WireFile {
         Ok(wire)
     }
 
-    /// Whether its plays can be with an alloy.
+    /// Checks that the wire's plays go with an alloy.
     ///
     /// # Errors
     /// Names the key that makes bands cross.
@@ -268,8 +268,8 @@ impl WireFile {
         plays.map_err(crossed)
     }
 
-    /// The wire of an alloy as the model takes it. Divisions, so that the numbers are those that stand in the
-    /// program.
+    /// The wire of an alloy in the model's parameters. Divisions make them, so that the numbers are those that stand
+    /// in the program.
     #[must_use]
     pub fn parameters(&self, alloy: &AlloyFile) -> WireParameters {
         let (e, t, m) = (&self.electrical, &self.thermal, &self.mechanical);

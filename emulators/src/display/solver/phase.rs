@@ -1,7 +1,7 @@
-//! The phases of a wire, by what is known of it: plays in parallel, or phases that exclude one another in a bow.
+//! The phases of a wire, by the knowledge of it: plays in parallel, or phases that exclude one another in a bow.
 //!
-//! [`Plays`] go with [`Worn`], the linear bow: once every wire has a history, both go, and [`Phase`] is what
-//! [`Exclusive`] is.
+//! [`Plays`] go with [`Worn`], the linear bow. Once every wire has a history both can go, and [`Phase`] becomes
+//! [`Exclusive`].
 
 use std::sync::Arc;
 

@@ -4,17 +4,17 @@
 //! exact. The memory changes only at events (a turn of the temperature, a threshold passed), which makes it
 //! independent of how time is cut.
 //!
-//! So does the strain, so that what the skin feels is linear in the wire's temperature as well. The expansion of a play
-//! that transforms would bend it: its last part turns at a higher temperature than its first, and changes its length by
-//! another difference of expansions. Here every part of a play changes its length alike; over a band that is at most a
-//! quarter of (alpha_M - alpha_A) times its width, 1.1e-5, from the bent line, and nothing at its ends.
+//! The strain changes evenly too, so the skin's motion is linear in the wire's temperature as well. The expansion of
+//! a play that transforms would bend it: its last part turns at a higher temperature than its first, and changes its
+//! length by another difference of expansions. Here every part of a play changes its length alike. Over a band that
+//! is at most a quarter of (alpha_M - alpha_A) times its width, 1.1e-5, from the bent line, and exact at its ends.
 
 use palpate_core::physics::{ParameterError, WireParameters};
 
 use super::branch::{Branch, Heading};
 use super::strain::Strain;
 
-/// Temperatures this close count as the same threshold, K.
+/// Distance of temperatures that count as one threshold, K.
 const SAME: f64 = 2e-11;
 
 /// One play with its memory.
@@ -22,11 +22,11 @@ const SAME: f64 = 2e-11;
 struct Share {
     austenite: (f64, f64),
     martensite: (f64, f64),
-    /// Part of the martensite fraction.
+    /// Share of the martensite fraction.
     weight: f64,
     /// Latent heat, J.
     latent: f64,
-    /// Cold against hot: difference of the strains by stress and by phase, and of the expansions (1/K).
+    /// Differences of cold against hot: of the strains by stress and by phase, and of the expansions (1/K).
     elastic: f64,
     strain: f64,
     expansion: f64,
@@ -48,7 +48,7 @@ impl Share {
         self.memory.max(self.cooling(t)).min(self.heating(t))
     }
 
-    /// Where heating from this memory begins to transform.
+    /// Temperature at which heating from this memory begins to transform, degrees C.
     fn upper(&self) -> f64 {
         let (start, finish) = self.austenite;
         if self.memory > 0.0 {
@@ -58,7 +58,7 @@ impl Share {
         }
     }
 
-    /// Where cooling from this memory begins to transform.
+    /// Temperature at which cooling from this memory begins to transform, degrees C.
     fn lower(&self) -> f64 {
         let (start, finish) = self.martensite;
         if self.memory < 1.0 {
@@ -67,7 +67,7 @@ impl Share {
             f64::NEG_INFINITY
         }
     }
-    /// Width of the band, K, that a part of it would pass next; between both bands, by the way to go to each.
+    /// Width of the band, K, that a part of the play would pass next; between both bands, by the way to each.
     fn width(&self, t: f64, p: f64) -> (f64, f64) {
         let warm = self.austenite.1 - self.austenite.0;
         let cold = self.martensite.0 - self.martensite.1;
@@ -86,7 +86,7 @@ impl Share {
         self.expansion * (p * away + p * (p - 1.0) * self.width(t, p).0)
     }
 
-    /// Adds to a branch what this play does on it.
+    /// Adds the changes of this play to a branch.
     fn join(&self, branch: &mut Branch, t: f64, heading: Heading, rest_c: f64) {
         let (upper, lower) = (self.upper(), self.lower());
         let mut band = None;
@@ -124,7 +124,7 @@ impl Share {
 #[derive(Clone, Debug)]
 pub struct Plays {
     plays: Vec<Share>,
-    /// As austenite: strain by stress, and expansion, 1/K.
+    /// Mechanics as austenite: strain by stress in `elastic`, and expansion, 1/K.
     elastic: f64,
     expansion: f64,
     /// Temperature of no thermal strain, degrees C.
@@ -132,7 +132,7 @@ pub struct Plays {
 }
 
 impl Plays {
-    /// As after cooling from far below, then heating to `start_c`: martensite unless hot.
+    /// The plays after cooling from far below, then heating to `start_c`: martensite unless hot.
     ///
     /// # Errors
     /// Branches of the hysteresis that touch or cross.
@@ -171,7 +171,8 @@ impl Plays {
         xi.clamp(0.0, 1.0)
     }
 
-    /// Latent heat that the wire holds at `t`, reached in such a way, J: none where all of it is cold.
+    /// Latent heat that the wire holds at `t`, reached without a turn since the last event, J: none where all of it
+    /// is cold.
     pub fn latent_j(&self, t: f64) -> f64 {
         self.plays
             .iter()
@@ -179,7 +180,7 @@ impl Plays {
             .sum()
     }
 
-    /// Strain at `t`, reached in such a way.
+    /// Strain at `t`, reached without a turn since the last event.
     pub fn strain(&self, t: f64) -> Strain {
         let away = t - self.rest_c;
         let mut strain = Strain {
@@ -211,7 +212,7 @@ impl Plays {
         branch
     }
 
-    /// The temperature turned or passed a threshold at `t`: what has transformed is remembered.
+    /// Takes a turn of the temperature or a threshold passed at `t`: the memory keeps what has transformed.
     pub fn commit(&mut self, t: f64) {
         for p in &mut self.plays {
             p.memory = p.fraction(t);

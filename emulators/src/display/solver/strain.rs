@@ -1,20 +1,21 @@
-//! Strain of a wire by parts, and what the skin feels of it.
+//! Strain of a wire by parts, and the motion of the skin that it makes.
 
 use palpate_core::physics::Bow;
 
 /// Parts of the strain, 1; positive is longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain {
-    /// sigma / E(xi), Reuss mean of the two moduli; of a wire with a history sigma / E of martensite, as its bow has it.
+    /// Elastic strain sigma / E(xi), with the Reuss mean of the two moduli; sigma / E of martensite for a wire with a
+    /// history, by its bow.
     pub elastic: f64,
     /// Sum of the phases' strains.
     pub phase: f64,
-    /// alpha(xi) (T - T0). Over a band it is straightened (see [`super::plays`]).
+    /// Thermal strain alpha(xi) (T - T0). Over a band it is straightened (see [`super::plays`]).
     pub thermal: f64,
 }
 
 impl Strain {
-    /// Their sum.
+    /// Sum of the parts.
     pub fn total(&self) -> f64 {
         self.elastic + self.phase + self.thermal
     }
@@ -26,7 +27,7 @@ impl Strain {
 pub struct Motion {
     /// Displacement from rest at `from_c`, m.
     pub at_m: f64,
-    /// How it changes with the wire's temperature, m/K; 0 while skin and wire are apart.
+    /// Change of the displacement with the wire's temperature, m/K; 0 while skin and wire are apart.
     pub m_per_k: f64,
     /// Temperature that it is counted from, degrees C.
     pub from_c: f64,
@@ -44,17 +45,17 @@ impl Motion {
 pub struct Worn {
     /// Displacement over strain, m.
     gain_m: f64,
-    /// Strain at which both were put together, 1.
+    /// Strain at which wire and skin were put together, 1.
     rest: f64,
     /// Strain over which skin and wire are apart, 1.
     parting: f64,
-    /// Displacement then, m.
+    /// Displacement at that strain, m.
     pub(super) parting_m: f64,
-    /// Displacement of the bow from its sag when both were put together, m.
+    /// Displacement of the bow from its sag when wire and skin were put together, m.
     pub(super) rest_m: f64,
 }
 
-/// Strains closer than this are the same; rounding is a hundredth of it.
+/// Distance of strains that count as one; rounding is a hundredth of it.
 const SAME: f64 = 1e-15;
 
 impl Worn {
@@ -70,8 +71,9 @@ impl Worn {
         }
     }
 
-    /// The skin from a wire temperature `t` on, where the strain is `strain` and changes by `per_k`, while temperature
-    /// `rises` or falls; and the temperatures between which that holds, at whose ends both part or meet.
+    /// The skin from a wire temperature `t` on, where the strain is `strain` and changes by `per_k`, while the
+    /// temperature `rises` or falls. The two temperatures are those between which it holds; skin and wire part or
+    /// meet there.
     pub fn motion(&self, t: f64, strain: f64, per_k: f64, rises: bool) -> (Motion, (f64, f64)) {
         let over = strain - self.parting;
         let here = over.abs() <= SAME;
@@ -94,7 +96,7 @@ impl Worn {
             }
         };
         let change = t - over / per_k;
-        // Where both just met or parted that lies behind, whatever rounding makes of it.
+        // A point at which both just met or parted lies behind, whatever rounding makes of it.
         let between = match change.is_finite() {
             true if here && rises => (change.min(t), f64::INFINITY),
             true if here => (f64::NEG_INFINITY, change.max(t)),
