@@ -12,7 +12,7 @@ macro_rules! listed {
             /// Every value, in the order of the lists.
             pub const ALL: [Self; [$($text),+].len()] = [$(Self::$variant),+];
 
-            /// Its word in files and records.
+            /// The variant's word in files and records.
             pub const fn $word(self) -> &'static str {
                 match self { $(Self::$variant => $text),+ }
             }

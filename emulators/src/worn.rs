@@ -129,7 +129,7 @@ pub struct WornDisplay {
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
-    /// By wire: start of the present stretch of current, and its electrical power, W.
+    /// Start of each wire's present stretch of current, and its electrical power, W.
     flowing: Vec<(Nanos, f64)>,
     /// Kept only where a caller takes them: an emulator may be served for days.
     flows: Option<Vec<Flow>>,

@@ -50,7 +50,7 @@ pub use unit::{UnitArgs, UnitOn};
 #[derive(Debug, Parser)]
 #[command(name = "hil", version)]
 pub struct Cli {
-    /// What to do; without a command, `hil run` of the default scene.
+    /// The command; without one, `hil run` of the default scene.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Colours: auto (a terminal, no NO_COLOR), always, never.
@@ -59,19 +59,20 @@ pub struct Cli {
     pub color: Color,
 }
 
-/// When messages are coloured.
+/// Places where messages are coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Color {
-    /// On a terminal.
+    /// Colour on a terminal.
     Auto,
-    /// On a terminal and in a pipe.
+    /// Colour on a terminal and in a pipe.
     Always,
     /// Never.
     Never,
 }
 
 impl Color {
-    /// Whether what goes to this stream is coloured; `NO_COLOR` in the environment means not by itself.
+    /// Decides whether output to this stream is coloured; with `NO_COLOR` in the environment, only `always` colours
+    /// it.
     pub fn on(self, stream: &impl IsTerminal) -> bool {
         match self {
             Self::Always => true,
@@ -130,20 +131,20 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     within(text, (0.01, 86_400.0), "")
 }
 
-/// Where a page is served unless something else is said.
+/// Default address at which a page is served.
 const SERVE_AT: &str = "127.0.0.1:8137";
 
-/// Where a page is served.
+/// Parses the address at which a page is served.
 fn serve_at(text: &str) -> Result<SocketAddr, String> {
     palpate_live::serve::address(text)
 }
 
-/// How the contact threshold is found.
+/// Rules that find the contact threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Threshold {
     /// The largest value of the first row after the reference.
     Auto,
-    /// From every taxel's own noise.
+    /// Threshold from every taxel's own noise.
     PerTaxel,
     /// Raw counts.
     Counts(f32),
@@ -162,9 +163,9 @@ pub enum Command {
     ///
     /// Boards stand on CAN interfaces, the display behind a /dev/i2c-N, until stopped.
     Emulate(EmulateArgs),
-    /// Be a driver unit, which plays what a host sends.
+    /// Be a driver unit, which plays the stimuli of a host.
     ///
-    /// What comes over UDP goes through a guard of its own to emulated boards, or to those of an I2C adapter, until stopped.
+    /// Stimuli from UDP pass its own guard to emulated boards, or to those of an I2C adapter, until stopped.
     Unit(UnitArgs),
     /// Show a run, or a recording of one, in browsers.
     ///
@@ -200,20 +201,20 @@ pub enum Command {
     Compare(CompareArgs),
     /// Compute how makes of wire and patterns of pulses are felt.
     ///
-    /// Tissue temperature and current stand beside what is felt.
+    /// The table has tissue temperature and current beside the felt level.
     Design(DesignArgs),
     /// List scenes, benches, layouts, wires, laws: all there is.
     ///
-    /// What is built in comes first, then what lies in this folder.
+    /// Built-in files come first, then those of this folder.
     List(ListArgs),
-    /// Write a commented file of what differs from the defaults.
+    /// Write a commented file with the values that differ from the defaults.
     #[command(subcommand)]
     New(NewKind),
-    /// Say everything that is wrong with settings files.
+    /// List all errors of settings files.
     ///
-    /// Files may be of any kind. Exits with 1 if something is wrong.
+    /// Files may be of any kind. Exits with 1 if there is an error.
     Check(CheckArgs),
-    /// Write what a scene makes, for other programs.
+    /// Write the readings of a scene, and other files, for other programs.
     #[command(subcommand)]
     Export(ExportKind),
     /// Train, map and try the texture model.
@@ -244,7 +245,7 @@ pub enum Command {
 /// The bench of a command, and the seed.
 #[derive(Debug, Default, Args)]
 pub struct Buses {
-    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    /// A built-in bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the bench real.
@@ -258,7 +259,7 @@ pub struct Buses {
     pub seed: u64,
 }
 
-/// How much a command says.
+/// Amount that a command says.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct Voice {
     /// Print the result as one JSON object.
@@ -269,7 +270,7 @@ pub struct Voice {
     pub quiet: bool,
 }
 
-/// On or off.
+/// Switch: on or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
     /// On.
@@ -284,10 +285,10 @@ pub enum Switch {
 pub struct RunArgs {
     /// A built-in scene or a file (default: sphere-along).
     pub scene: Option<String>,
-    /// On which bench.
+    /// Bench of the run.
     #[command(flatten)]
     pub on: Buses,
-    /// Its driver unit.
+    /// Driver unit of the bench.
     #[command(flatten)]
     pub unit: UnitOn,
     /// Recorded taxels in place of the scene's touches: one CSV per module of the layout, or one recording
@@ -305,8 +306,7 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
-    /// column whose name says that it holds times).
+    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
     #[arg(
         long,
         value_name = "COLUMN[:UNIT]",
@@ -326,7 +326,7 @@ pub struct RunArgs {
         allow_hyphen_values = true
     )]
     pub gain: Option<Gain>,
-    /// Where the clock jumps, play what follows right after what came before.
+    /// Take jumps of the clock out: play what follows one right after what came before it.
     #[arg(long, requires = "replay")]
     pub split_jumps: bool,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
@@ -339,13 +339,13 @@ pub struct RunArgs {
     /// Overwrite files that are no earlier output of hil.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
     /// Print every figure in place of the eight lines.
     #[arg(long, conflicts_with_all = ["json", "quiet"])]
     pub long: bool,
-    /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
+    /// Let the guard only observe: it notes each change that it would make, and makes none. Emulated benches only.
     #[arg(long, conflicts_with = "junit")]
     pub observe: bool,
     /// Print the plan before the run, and the work done and left out after it.
@@ -384,10 +384,10 @@ pub struct RunArgs {
     /// Illusion model: phantom, energy, linear, square, balanced, inverse, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
-    /// How `inverse` renders a contact: smooth (a vibration), tap, or auto (taps while it rests).
+    /// Render contacts of `inverse` in this style: smooth (a vibration), tap, or auto (taps while a contact rests).
     #[arg(long, value_name = "STYLE")]
     pub render: Option<String>,
-    /// The wearer's calibration that the loop is told, built in or a file, such as `hil study analyse` writes.
+    /// The wearer's calibration for the loop, built in or a file, such as `hil study analyse` writes.
     #[arg(long, value_name = "NAME|FILE")]
     pub wearer: Option<String>,
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
@@ -395,7 +395,7 @@ pub struct RunArgs {
     pub person: Option<String>,
 }
 
-/// What to do with rows that repeat the one before.
+/// Treatments of rows that repeat the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StaleArg {
     /// Compress them like any other.
@@ -432,7 +432,7 @@ pub struct ContactsArgs {
     /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
     #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
     pub faulty_deviations: Option<f64>,
-    /// What K_C and K_I count for: each module, or the whole skin.
+    /// Part of the skin that K_C and K_I count for: each module, or the whole skin.
     #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
     pub scope: Scope,
     /// Exponent p of the weights ||s||^p.
@@ -448,8 +448,7 @@ pub struct ContactsArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
-    /// column whose name says that it holds times).
+    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
     /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
@@ -459,13 +458,13 @@ pub struct ContactsArgs {
     /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
     #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
     pub gain: Option<Gain>,
-    /// Where the clock jumps, play what follows right after what came before.
+    /// Take jumps of the clock out: play what follows one right after what came before it.
     #[arg(long)]
     pub split_jumps: bool,
     /// Seed of the k-means++ draws.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// What to do with rows that repeat the one before.
+    /// Treatment of rows that repeat the one before.
     #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
     pub replay_stale: StaleArg,
     /// Write contacts.csv into this folder in place of standard output.

@@ -39,6 +39,7 @@ mod shared_boards;
 mod shown;
 mod texture;
 mod tidy;
+mod tidy_words;
 mod told;
 mod unit;
 mod warmth;

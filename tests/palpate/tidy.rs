@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn root() -> PathBuf {
+pub(super) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("..")
         .canonicalize()
@@ -246,7 +246,7 @@ fn files_can_be_held_in_ones_head_and_say_what_they_are() {
 }
 
 /// Rust files that ship: no test in their path. Benchmarks count, wherever they lie.
-fn production() -> Vec<PathBuf> {
+pub(super) fn production() -> Vec<PathBuf> {
     let ships = |path: &PathBuf| {
         let path = path.strip_prefix(root()).unwrap().to_string_lossy();
         !path.contains("test") || (path.starts_with("tests/bench/") && !path[6..].contains("test"))

@@ -122,7 +122,7 @@ pub enum Message {
     Command(Command),
 }
 
-/// Why a frame means nothing here.
+/// Reasons for which a frame means nothing here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Rejected {

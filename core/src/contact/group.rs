@@ -149,7 +149,7 @@ impl Group {
         let memory = &mut self.memory;
         let set = keep(&mut memory.indices, indices);
         let [magnitude, axes @ ..] = &mut memory.values;
-        // All of them are kept, whatever the first one says.
+        // All values are kept, even where the first comparison has decided already.
         let mut same = keep(magnitude, &frame.magnitude()[range.clone()]);
         same &= keep(&mut memory.usable, &frame.usable()[range.clone()]);
         if shared.settings.norm != Norm::L2 {
@@ -192,7 +192,7 @@ impl Group {
         self.settled = false;
     }
 
-    /// Another number of clusters is looked for from now on: what was found is no fixed point of that.
+    /// Looks for another number of clusters from now on: the last result is no fixed point of that.
     pub(super) fn unsettle(&mut self) {
         (self.settled, self.clustered) = (false, false);
     }

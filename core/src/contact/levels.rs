@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use super::few::{self, FEW};
 use crate::vector::Vectors;
 
-/// Why levels cannot be found.
+/// Reasons for which levels cannot be found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LevelError {

@@ -1,7 +1,7 @@
-//! Compression of taxels into contacts (thesis chapter 4): where the skin is touched, and how strongly.
+//! Compression of taxels into contacts (thesis chapter 4): the places of touch, and their strengths.
 //!
-//! What belongs here: clustering, interpolation, intensity levels, identity over time. Which taxels are in contact
-//! is [`crate::skin`]'s, what a contact feels like [`crate::illusion`]'s.
+//! The module holds clustering, interpolation, intensity levels and identity over time. [`crate::skin`] finds the taxels
+//! in contact, and [`crate::illusion`] makes contacts felt.
 //!
 //! ```
 //! use palpate_core::contact::{Compressor, Settings};

@@ -112,7 +112,7 @@ impl Settings {
     }
 }
 
-/// Why settings are refused.
+/// Reasons for which settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {

@@ -1,4 +1,4 @@
-//! Why a driver unit cannot be driven: an error of every driver, also without the feature `unit`.
+//! Reasons for which a driver unit cannot be driven: an error of every driver, also without the feature `unit`.
 
 use crate::guard::Cause;
 use crate::schedule::MOST_PLANNED;

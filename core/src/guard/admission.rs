@@ -1,4 +1,4 @@
-//! What the limits leave of one stimulus: pulse width, burst, supply, energy and heat, in this order.
+//! The limits applied to one stimulus: pulse width, burst, supply, energy and heat, in this order.
 
 use crate::schedule::{Reason, Stimulus, stagger};
 use crate::units::{Channel, Duration, Instant, Milliamps, Ticks};
@@ -6,16 +6,16 @@ use crate::units::{Channel, Duration, Instant, Milliamps, Ticks};
 use super::limits::BURST_GAP;
 use super::{Guard, Running, Setting};
 
-/// A burst leaves this part of what is left of a budget, one in four: what rests fades.
+/// Divisor of what is left of a budget: each burst leaves one part in four, so that a contact at rest fades.
 const FADE: u64 = 4;
 
-/// What is left of a stimulus.
+/// The part of a stimulus that the limits pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Passed {
     pub(super) width: Ticks,
     pub(super) until: Instant,
     pub(super) reason: Option<Reason>,
-    /// What its amplifier shall be set to; `None` where that has a current of its own.
+    /// Current that the amplifier shall be set to; `None` where the amplifier has a current of its own.
     pub(super) current: Option<Milliamps>,
     /// Electrical energy to book for it, nJ.
     energy_nj: u64,
@@ -35,26 +35,27 @@ impl Burst {
         self.end
     }
 
-    /// How far it has come at `now`.
+    /// The end of the burst so far: `now`, or the end of its last stimulus if that came before.
     pub(super) fn until(&self, now: Instant) -> Instant {
         self.end.min(now)
     }
 }
 
-/// What a burst may take of what is left.
+/// The share of a budget's remainder that one burst may take: three quarters, rounded down.
 pub(super) const fn faded(left: u64) -> u64 {
     left - left.div_ceil(FADE)
 }
 
 impl Guard {
-    /// The widest pulse and the latest end the limits leave of a stimulus, booked as spent.
+    /// Passes the widest pulse and the latest end that the limits leave of a stimulus, and books it.
     pub(super) fn clamp(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let passed = self.judge(index, at, s);
         self.book(index, at, passed.until, passed.energy_nj);
         passed
     }
 
-    /// The stimulus as it is, booked whatever the limits leave of it, with the reason for which they would have.
+    /// Books a stimulus as it is, whatever the limits leave of it, with the reason for which they would have changed
+    /// it.
     pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let Passed {
             reason, current, ..
@@ -77,7 +78,7 @@ impl Guard {
         }
     }
 
-    /// What the limits leave of a stimulus; nothing is booked.
+    /// Judges a stimulus against every limit and books nothing.
     fn judge(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let commanded = self.commanded(index, at, s);
         let current = commanded.map(|(current, _)| current);
@@ -140,7 +141,7 @@ impl Guard {
         }
     }
 
-    /// Books energy of a stimulus; none is no stimulus.
+    /// Books the energy of a stimulus; without energy there is no stimulus to book.
     fn book(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
         if energy_nj == 0 {
             return;
@@ -154,7 +155,7 @@ impl Guard {
         });
     }
 
-    /// The burst that a stimulus at `at` would go on with, or begin.
+    /// The burst that a stimulus at `at` would continue, or begin.
     pub(super) fn burst_at(&self, index: usize, at: Instant) -> Burst {
         let slack = self.burst_slack();
         let goes_on = |b: &Burst| at < b.end + BURST_GAP + slack;
@@ -170,8 +171,8 @@ impl Guard {
         (burst.start + self.limits.burst) - self.burst_slack()
     }
 
-    /// Whether the burst row passes a stimulus of this wire whole. Who asks first can let a wire rest that would
-    /// be cut off; what is driven in the end, [`Self::admit`] alone says.
+    /// Returns true if the burst row passes a stimulus of this wire whole. A renderer that asks first can rest a wire
+    /// that would be cut off. [`Self::admit`] alone decides what is driven.
     pub fn has_time(&self, wire: usize, at: Instant, until: Instant) -> bool {
         wire < self.wires.len() && until <= self.latest(&self.burst_at(wire, at))
     }
@@ -181,8 +182,8 @@ impl Guard {
         Ticks::new(self.plant.widest(self.limits.pulse_width_ns))
     }
 
-    /// Energy, nJ, that a stimulus may bring, and which limit says so. Of the budgets that fill again a burst
-    /// takes only a part of what is left, so that a contact that rests fades instead of stepping down.
+    /// Energy, nJ, that a stimulus may bring, and the limit that bounds it. A burst takes only a part of what is left
+    /// of the budgets that fill again, so that a contact at rest fades instead of stepping down.
     fn energy_left(
         &mut self,
         index: usize,
@@ -191,7 +192,7 @@ impl Guard {
         spent_nj: u64,
     ) -> (u64, Reason) {
         let (heat_nj, cause) = self.heat_left(index, at, until);
-        // What fades has faded in the whole guard, and the stimuli of an onset may come here in another order.
+        // The whole guard fades or does not, and the stimuli of an onset may come here in another order.
         let part = match self.fades {
             true => faded,
             false => |left| left,
@@ -212,7 +213,7 @@ impl Guard {
             })
     }
 
-    /// The least energy, nJ, that the rows of heat leave, and which; without them there is no end to it.
+    /// The least energy, nJ, that the rows of heat leave, and the row; unbounded without those rows.
     fn heat_left(&mut self, index: usize, at: Instant, until: Instant) -> (u64, Reason) {
         let off = until + self.plant.surplus();
         let latency = self.plant.latency();
@@ -226,7 +227,7 @@ impl Guard {
         ((joules * 1e9) as u64, cause)
     }
 
-    /// Books energy that a wire is on for between `at` and `until`.
+    /// Books the energy of a wire that is on between `at` and `until`.
     fn spend(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
         self.wires[index].power.spend(energy_nj);
         self.fingertip.spend(energy_nj);
@@ -239,7 +240,7 @@ impl Guard {
         }
     }
 
-    /// Books what a wire got beyond the end of its stimulus because it was switched off late.
+    /// Books the energy that a wire got beyond the end of its stimulus because it was switched off late.
     pub(super) fn book_late(&mut self, index: usize, was: &Running, off: Instant) {
         let span = off.since(was.until);
         if span == Duration::ZERO {
@@ -256,15 +257,15 @@ impl Guard {
         }
     }
 
-    /// How much longer a burst may be, and its gap shorter, than asked: a pulse and the bus.
+    /// Time by which a burst may exceed its request, and its gap fall short of it: one pulse and the bus.
     fn burst_slack(&self) -> Duration {
         Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + self.plant.switching()
     }
 
-    /// Whether the supply bears wire `index` set as given beside all that is on.
+    /// Returns true if the supply bears wire `index` set as given beside all that is on.
     ///
-    /// What is on has passed here, so the supply bears that. A pulse that overlaps none of its board leaves the
-    /// board's peak as it is, if any other pulse is on there.
+    /// The supply bears every wire that is on, because each one passed here. A pulse that overlaps no other on its
+    /// board leaves the board's peak unchanged, if any other pulse is on there.
     pub(super) fn supply_bears(&self, index: usize, setting: Setting) -> bool {
         let board = self.wires[index].place.0;
         let on_board = self.wires.iter().filter(|w| w.place.0 == board);
@@ -280,7 +281,8 @@ impl Guard {
         peak <= u64::from(self.limits.supply.0)
     }
 
-    /// Whether the supply bears a wire's widest pulse beside the boards that are on, its own being off.
+    /// Returns true if the supply bears a wire's widest pulse beside the other boards that are on, its own board
+    /// being off.
     pub(super) fn supply_is_free(&self, index: usize) -> bool {
         let (board, channel) = self.wires[index].place;
         let (on, off) = stagger(Channel(channel), self.widest());
@@ -301,7 +303,7 @@ impl Guard {
             let Some(starts) = running(i) else {
                 continue;
             };
-            // The number only grows where a pulse starts.
+            // The sum only grows where a pulse starts.
             let board = wire.place.0;
             let on_board = (0..self.wires.len()).filter(|&j| self.wires[j].place.0 == board);
             let on = |s: &Setting| s.on <= starts.on && starts.on < s.off;

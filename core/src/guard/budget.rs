@@ -1,4 +1,4 @@
-//! What a renderer may plan with: how much each limit leaves of a stimulus, before it is handed to the guard.
+//! Budgets that a renderer may plan with: the part of a stimulus that each limit leaves, before the guard gets it.
 //!
 //! Reading changes nothing, and [`Guard::admit`] stays the last word. The figures are the ones by which it decides,
 //! at the worst corner of its range, for what is booked so far.
@@ -15,14 +15,15 @@ use super::power::Bucket;
 /// The second that [`Guard::second_uw`] looks ahead.
 const SECOND: Duration = Duration::from_millis(1000);
 
-/// What the limits leave one wire of a stimulus between two times. A stimulus that keeps to all of it passes unchanged.
+/// The most of a stimulus that the limits leave one wire between two times. A stimulus within all of it passes
+/// unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WireBudget {
     /// The widest pulse.
     pub widest: Ticks,
     /// The latest end: that of the stimulus, or the burst's before it.
     pub until: Instant,
-    /// Whether the supply bears such a pulse beside the boards that are on.
+    /// True if the supply bears such a pulse beside the boards that are on.
     pub supply: bool,
     /// Electrical energy, nJ, that each row leaves until that end, as [`Guard::energy_nj`] counts it.
     /// Rows that fill again keep back what the guard keeps back. The dose is `u64::MAX` where it limits less than
@@ -47,11 +48,12 @@ fn nanojoules(joules: f64) -> u64 {
 }
 
 impl Guard {
-    /// What could be driven on a wire between `at` and `until` if nothing else is at that onset: each stimulus of the
-    /// same onset takes from the fingertip's row before the next. Wires of the board that are on end with the onset.
+    /// Returns what one wire may be driven with between `at` and `until` if nothing else is driven at that onset.
+    /// Each stimulus of an onset takes from the fingertip's row before the next one. Wires of the board that are on
+    /// end with the onset.
     ///
-    /// `None` for a wire that is not there, a time that is over before it begins, a latched guard, and one without thermal
-    /// rows: a renderer plans with a whole guard.
+    /// Returns `None` for an unknown wire, for a time that ends before it begins, for a latched guard, and for a
+    /// guard without thermal rows: a renderer plans with a whole guard.
     pub fn budget(&self, wire: usize, at: Instant, until: Instant) -> Option<WireBudget> {
         let state = self.wires.get(wire)?;
         let burst = self.burst_at(wire, at);
@@ -97,14 +99,14 @@ impl Guard {
         Some(tissue.each_room(&heat.budget, booking))
     }
 
-    /// Electrical energy, nJ, that the row of the fingertip's power leaves of a stimulus at `at` on any wire.
+    /// Electrical energy, nJ, that the row of the fingertip's power leaves for a stimulus at `at` on any wire.
     pub(crate) fn fingertip_nj(&self, at: Instant) -> u64 {
         faded(self.fingertip.left_pj_at(at) / 1000)
     }
 
-    /// Mean power, uW, of one wire that each row leaves for the second from `at` on. For the rows of power that is
-    /// the most that the guard passes in it; for those of heat it is what may flow evenly, so that the limit is met at
-    /// its end. `None` for a wire that is not there, and without thermal rows.
+    /// Mean power, uW, that each row leaves one wire for the second from `at` on. A row of power gives the most that
+    /// the guard passes in it. A row of heat gives what may flow evenly, so that the limit is met at the second's
+    /// end. `None` for an unknown wire, and without thermal rows.
     pub fn second_uw(&self, wire: usize, at: Instant) -> Option<[(Reason, u64); 6]> {
         let state = self.wires.get(wire)?;
         let rooms = self.rooms(wire, at, at + SECOND)?;
@@ -124,8 +126,8 @@ impl Guard {
         ])
     }
 
-    /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: what the rows of power and of heat
-    /// bear at its end. The dose is left out.
+    /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: the rows of power and of
+    /// heat bear it at the session's end. The dose is left out.
     pub(crate) fn sustained_uw(&self, session: Duration) -> u64 {
         let seconds = session.as_secs_f64();
         let per_watt = |row: &Decays| -> f64 {
@@ -142,7 +144,7 @@ impl Guard {
         power.min((heat * 1e6) as u64)
     }
 
-    /// Electrical energy, nJ, that a stimulus of this width and length is booked with: from above over all oscillators.
+    /// Electrical energy, nJ, booked for a stimulus of this width and length: from above over all oscillators.
     pub fn energy_nj(&self, width: Ticks, length: Duration) -> u64 {
         self.plant.energy_nj(width.get(), length)
     }

@@ -1,4 +1,4 @@
-//! Amplifiers whose current is set: what may flow of what was commanded, and when it may change.
+//! Amplifiers whose current is set: the most that may flow for a command, and the time at which it may change.
 //!
 //! A current rises only while its wire is off, and the driver reads it back before the pulse. Until that has succeeded the
 //! larger of the commanded and the last confirmed current counts; where nothing is confirmed, the most there is.
@@ -14,54 +14,54 @@ use super::{Guard, Plant, PlantError};
 /// Parts per million of a whole.
 const MILLION: u64 = 1_000_000;
 
-/// What amplifiers make of the current that they are set to.
+/// Amplifiers whose current is set: full scale and the bounds of their error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CurrentControl {
     /// The current at the converter's full scale: the most that can be asked for.
     pub full_scale: Milliamps,
-    /// How much more than was asked for may flow, parts per million of it.
+    /// Bound of the gain's error: the excess over the commanded current, parts per million.
     pub gain_ppm: u32,
-    /// And how much more beside that.
+    /// Bound of the offset: the excess that is added to the gain's error.
     pub offset: Milliamps,
 }
 
 impl CurrentControl {
-    /// The most that flows where this was commanded, rounded up.
+    /// The most that flows for a command, rounded up.
     #[must_use]
     pub fn most(&self, commanded: Milliamps) -> Milliamps {
         let gain = (u64::from(commanded.0) * u64::from(self.gain_ppm)).div_ceil(MILLION);
         let sum = u64::from(commanded.0) + gain + u64::from(self.offset.0);
-        // No plant bears so much: what is cut off here is refused there.
+        // No plant bears so much: `check` refuses what is cut off here.
         Milliamps(u32::try_from(sum).unwrap_or(u32::MAX))
     }
 }
 
-/// What a guard keeps of such amplifiers.
+/// State that a guard keeps of amplifiers whose current is set.
 #[derive(Clone, Debug)]
 pub(super) struct Settable {
     control: CurrentControl,
-    /// By wire: what the driver has read back; `None` where that is unknown.
+    /// Current that the driver has read back, by wire; `None` where that is unknown.
     confirmed: Box<[Option<Milliamps>]>,
 }
 
 impl Settable {
-    /// What the driver has read back last of a wire's amplifier.
+    /// The current that the driver last read back from a wire's amplifier.
     fn confirmed(&self, wire: usize) -> Option<Milliamps> {
         self.confirmed.get(wire).copied().flatten()
     }
 
-    /// What an amplifier may be set to of which this is confirmed.
+    /// The most that an amplifier may be set to: the confirmed current, or full scale where none is confirmed.
     fn set(&self, confirmed: Option<Milliamps>) -> Milliamps {
         confirmed.unwrap_or(self.control.full_scale)
     }
 }
 
 impl Guard {
-    /// The same before amplifiers whose current is set. The plant's current becomes the most that they can give, where it
-    /// is less: the rows of the supply and all budgets count with it.
+    /// Puts the guard before amplifiers whose current is set. The plant's current becomes the most that they can
+    /// give, if that is more: the rows of the supply and all budgets count with it.
     ///
     /// # Errors
-    /// When no wire can have such a current.
+    /// [`PlantError`] when no wire can have such a current.
     pub fn with_current(mut self, control: CurrentControl) -> Result<Self, PlantError> {
         if control.full_scale == Milliamps(0) {
             return Err(PlantError::OutOfRange);
@@ -75,12 +75,12 @@ impl Guard {
         Ok(self)
     }
 
-    /// Whether the amplifiers' current is set.
+    /// The amplifiers' bounds, if their current is set.
     pub fn current_control(&self) -> Option<&CurrentControl> {
         self.settable.as_ref().map(|settable| &settable.control)
     }
 
-    /// Every current that a driver has put on the outputs of a board was set and has read back.
+    /// Confirms every current that a driver has put on a board's outputs: it was set and has read back.
     pub(super) fn confirm_currents(
         &mut self,
         on: Board,
@@ -99,15 +99,15 @@ impl Guard {
         }
     }
 
-    /// Nothing is known of any current.
+    /// Forgets every current that was confirmed.
     pub(super) fn forget_currents(&mut self) {
         if let Some(settable) = &mut self.settable {
             settable.confirmed.fill(None);
         }
     }
 
-    /// The current that a stimulus shall be had with, and why it is another than it asks for. `None` where the amplifiers
-    /// have one of their own.
+    /// The current that a stimulus is driven with, and the reason if that is less than it asks for. `None` where the
+    /// amplifiers have a current of their own.
     pub(super) fn commanded(
         &self,
         wire: usize,
@@ -115,7 +115,7 @@ impl Guard {
         s: &Stimulus,
     ) -> Option<(Milliamps, Option<Reason>)> {
         let settable = self.settable.as_ref()?;
-        // A pulse of the stimulus before may still come: it was booked with the current that is set.
+        // A pulse of the stimulus before may still come, and it was booked with the current that is set now.
         let end = self.wires.get(wire)?.burst.map(|burst| burst.end());
         let is_off = end.is_none_or(|end| at >= end + self.plant.surplus());
         let most = match is_off {
@@ -126,13 +126,13 @@ impl Guard {
         Some((s.peak.min(most), reason))
     }
 
-    /// The plant by which a stimulus of this current counts: with the larger of it and of what may be set.
+    /// The plant by which a stimulus of this current counts: the larger of it and of the current that may be set.
     pub(super) fn counting(&self, wire: usize, commanded: Option<Milliamps>) -> Plant {
         let confirmed = self.settable.as_ref().and_then(|s| s.confirmed(wire));
         self.counting_after(confirmed, commanded)
     }
 
-    /// The same of any wire of whose amplifier this is confirmed before.
+    /// The plant by which a stimulus of this current counts on any wire whose amplifier had `confirmed` before.
     pub(super) fn counting_after(
         &self,
         confirmed: Option<Milliamps>,
@@ -149,7 +149,7 @@ impl Guard {
         }
     }
 
-    /// The plant by which what flows in a wire now counts.
+    /// The plant by which the present current of a wire counts.
     pub(super) fn flowing(&self, wire: usize) -> Plant {
         self.counting(wire, Some(Milliamps(0)))
     }

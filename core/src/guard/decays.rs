@@ -1,4 +1,4 @@
-//! Energy that fades at fourteen rates at once: what a stretch of time does to it, and what a burst adds.
+//! Energy that fades at fourteen rates at once: the effect of a stretch of time, and the addition of a burst.
 //!
 //! Sums are taken in the order of the rates and never reordered, so that every machine predicts the same bits.
 
@@ -6,10 +6,10 @@ use crate::units::Duration;
 
 use super::table::{DECAYS, SLOWEST};
 
-/// One number a decay.
+/// One number per decay.
 pub(super) type Decays = [f64; DECAYS];
 
-/// Their rates, 1/s.
+/// Rates of the decays, 1/s.
 pub(super) const RATES: Decays = {
     let mut rates = [SLOWEST; DECAYS];
     let mut k = 1;
@@ -20,14 +20,14 @@ pub(super) const RATES: Decays = {
     rates
 };
 
-/// What a stretch of time does to the decays.
+/// The effect of a stretch of time on the decays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) span: Duration,
     pub(super) seconds: f64,
-    /// Of energy from before: what is left of it.
+    /// Share that is left of energy from before the stretch.
     left: Decays,
-    /// Of energy spread over the stretch: what is left of it at the end.
+    /// Share that is left at the end of energy spread over the stretch.
     pub(super) kept: Decays,
 }
 
@@ -53,7 +53,7 @@ impl Stretch {
         }
     }
 
-    /// Energies at the end.
+    /// Energies at the end of the stretch, J.
     pub(super) fn end(&self, energy: &Decays, joules: f64) -> Decays {
         core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
     }
@@ -109,14 +109,14 @@ pub(super) struct Sums<const N: usize> {
 }
 
 impl<const N: usize> Sums<N> {
-    /// From the coefficients of each sum.
+    /// Sums with the coefficients of each.
     pub(super) fn new(rows: [Decays; N]) -> Self {
         Self {
             columns: core::array::from_fn(|k| rows.map(|row| row[k])),
         }
     }
 
-    /// What they make of `energy`.
+    /// Evaluates every sum for `energy`.
     pub(super) fn of(&self, energy: &Decays) -> [f64; N] {
         let mut sums = [0.0; N];
         for (column, energy) in self.columns.iter().zip(energy) {

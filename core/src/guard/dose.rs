@@ -2,8 +2,8 @@
 
 use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, LN_HENRIQUES_A, ZERO_CELSIUS_K};
 
-/// The dose left is never spent faster than in this time, s: a wire near its dose limit fades with it, and
-/// what cooling skin still adds to its dose after the last burst (a few seconds' worth) is well covered.
+/// Time in which the dose left is spent at the fastest, s. A wire near its dose limit fades with it, and it covers
+/// the few seconds' worth of dose that cooling skin still adds after the last burst.
 const HORIZON_S: f64 = 60.0;
 
 /// Both doses of skin 0.1 mm deep.
@@ -16,8 +16,7 @@ pub struct Doses {
 }
 
 impl Doses {
-    /// So much dose left lasts for [`HORIZON_S`] at `mc` millidegrees C, and a thousandth more, which no rounding
-    /// takes.
+    /// Dose that lasts for [`HORIZON_S`] at `mc` millidegrees C, plus a thousandth that covers rounding.
     pub(super) fn ample(mc: u64) -> Self {
         let rates = Rates::at(mc as f64 * 1e-3);
         Self {
@@ -26,7 +25,7 @@ impl Doses {
         }
     }
 
-    /// The larger of both in each.
+    /// The larger dose of each kind.
     #[must_use]
     pub const fn max(self, other: Self) -> Self {
         Self {
@@ -44,7 +43,7 @@ pub(super) struct Dose {
     rates: Rates,
 }
 
-/// Dose a second.
+/// Dose per second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rates {
     omega: f64,
@@ -52,8 +51,8 @@ struct Rates {
 }
 
 impl Rates {
-    /// At `t` degrees C. CEM43 is continued below 39 C, where it is zero, with the law from above: it is
-    /// convex then, and a millionth a minute at rest.
+    /// Rates at `t` degrees C. Below 39 C, where CEM43 is zero, the law is continued from above: it is convex then,
+    /// and a millionth a minute at rest.
     fn at(t: f64) -> Self {
         let exponent = HENRIQUES_EA / (GAS_CONSTANT * (t + ZERO_CELSIUS_K));
         let above = t - 43.0; // below 43 C a degree halves the rate twice
@@ -66,12 +65,12 @@ impl Rates {
 }
 
 impl Dose {
-    /// None so far, with skin at `t` degrees C.
+    /// No dose so far, with skin at `t` degrees C.
     pub(super) fn new(t: f64) -> Self {
         Self::of(Doses::default(), t)
     }
 
-    /// So much so far, with skin at `t` degrees C.
+    /// A dose of `doses` so far, with skin at `t` degrees C.
     pub(super) fn of(doses: Doses, t: f64) -> Self {
         Self {
             omega: doses.omega,
@@ -97,7 +96,7 @@ impl Dose {
         self.rates = after;
     }
 
-    /// What lasts for [`HORIZON_S`] at the present temperature: with less left, a burst that ends so is too warm.
+    /// Dose that lasts for [`HORIZON_S`] at the present temperature. A burst that ends with less left is too warm.
     pub(super) const fn kept_back(&self) -> Doses {
         Doses {
             omega: HORIZON_S * self.rates.omega,
@@ -105,14 +104,15 @@ impl Dose {
         }
     }
 
-    /// Whether more than `least` is left of both doses: [`Self::ceiling_c`] takes two logarithms to tell.
+    /// Returns true if more than `least` is left of both doses. The comparison saves the two logarithms of
+    /// [`Self::ceiling_c`].
     pub(super) fn leaves(&self, limits: &Doses, least: &Doses) -> bool {
         limits.omega - self.omega > least.omega
             && limits.cem43_min - self.cem43_min > least.cem43_min
     }
 
-    /// The temperature, degrees C, at which what is left of both doses lasts for [`HORIZON_S`]; far below
-    /// any skin when nothing is left.
+    /// The temperature, degrees C, at which the rest of both doses lasts for [`HORIZON_S`]; far below any skin when
+    /// nothing is left.
     pub(super) fn ceiling_c(&self, limits: &Doses) -> f64 {
         let rate = |left: f64| left.max(f64::MIN_POSITIVE) / HORIZON_S;
         let omega = rate(limits.omega - self.omega);

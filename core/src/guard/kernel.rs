@@ -1,10 +1,10 @@
-//! The rows of heat for the wire that is guarded: what a joule in it does to the tissue under it, and how warm that is
-//! without.
+//! The rows of heat for the wire that is guarded: the effect of a joule in it on the tissue, and that tissue at rest.
 //!
-//! The sums of decays in [`table`](super::table) are of a few diameters, each at three lengths. Between them this takes
-//! straight lines. Wire and tissue scale with the length, except for what the ends take: of a longer wire less, as one over
-//! the length squared. A joule's warmth falls with that as a sum of exponentials, and such a sum lies below its chord. So what
-//! lies between two lengths is never below the wire's own. Of diameters a test shows it.
+//! The sums of decays in [`table`](super::table) are of a few diameters, each at three lengths. This module
+//! interpolates between them in straight lines. Wire and tissue scale with the length, except for the heat that the
+//! ends take: the longer the wire, the less, as one over the length squared. A joule's warmth falls with that share
+//! as a sum of exponentials, and such a sum lies below its chord. A figure between two lengths is therefore never
+//! below the wire's own. A test shows the same of diameters.
 
 use core::ops::RangeInclusive;
 
@@ -40,14 +40,14 @@ impl Default for WornWire {
     }
 }
 
-/// What a joule does to the tissue under one wire, and what that is without.
+/// The effect of a joule on the tissue under one wire, and that tissue at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kernel {
     /// Tissue at rest, degrees C.
     pub(super) rest_c: f64,
-    /// What each decay of a joule makes at 0.1 mm, K/J.
+    /// Temperature that a joule's share in each decay makes at 0.1 mm, K/J.
     pub(super) shallow: Decays,
-    /// The same at 0.4 mm.
+    /// Temperature that a joule's share in each decay makes at 0.4 mm, K/J.
     pub(super) deep: Decays,
 }
 
@@ -70,7 +70,7 @@ impl WornWire {
         }
     }
 
-    /// Whether the guard has rows of heat for it.
+    /// Checks that the guard has rows of heat for this wire.
     ///
     /// # Errors
     /// The figure that lies outside what the table was made for.
@@ -87,10 +87,10 @@ impl WornWire {
         Ok(())
     }
 
-    /// Its rows.
+    /// Interpolates the wire's rows of heat.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// The errors of [`Self::check`].
     pub(super) fn kernel(&self) -> Result<Kernel, PlantError> {
         self.check()?;
         let over = UNIT_UM / f64::from(self.length_um);
@@ -113,7 +113,7 @@ impl WornWire {
     }
 }
 
-/// The two neighbours of `x` among rising knots, and the share of each. Knots reach from below it to beyond it.
+/// The two neighbours of `x` among rising knots, and the share of each. The knots reach from below `x` to beyond it.
 fn between(knots: &[f64], x: f64) -> ((usize, f64), (usize, f64)) {
     let above = knots.partition_point(|knot| *knot <= x);
     let above = above.clamp(1, knots.len() - 1);

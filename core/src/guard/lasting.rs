@@ -1,7 +1,7 @@
-//! How long a session may last: when the dose row would begin to fade bursts that come over and over.
+//! The length that a session may last before the dose row begins to fade bursts that come over and over.
 //!
 //! The tissue's memory is linear: after m rounds of the same bursts each decay holds its energy of one round times a
-//! geometric sum. So a day of rounds is told from a few dozen of them, at the temperatures by which the guard decides.
+//! geometric sum. A few dozen rounds therefore give a day of them, at the temperatures by which the guard decides.
 
 use crate::schedule::Entry;
 use crate::units::{Duration, Instant, Ticks};
@@ -12,16 +12,16 @@ use super::dose::{Dose, Doses};
 use super::kernel::Kernel;
 use super::table::LATENT_K;
 
-/// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
-/// burst lies in one.
+/// First stretch in which tissue is taken to cool along a chord. The guard's own chords end with bins of twice that
+/// length, wherever a burst lies in one.
 const STRIDE: Duration = Duration::from_millis(125);
 
 /// A burst on one wire, as the guard books it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Booked {
-    /// When the wire goes on.
+    /// Time at which the wire goes on.
     pub on: Instant,
-    /// When it is off at the latest.
+    /// Latest time at which it is off.
     pub off: Instant,
     /// Electrical energy, nJ, from above over all oscillators.
     pub energy_nj: u64,
@@ -29,18 +29,18 @@ pub struct Booked {
 
 /// One round of bursts.
 struct Round {
-    /// What each decay holds at its end.
+    /// Energy that each decay holds at the end of the round, J.
     energy: Decays,
     /// Dose of this round alone.
     dose: Dose,
-    /// With less left than this, the guard would make the mean burst weaker.
+    /// Dose below which the guard would make the mean burst weaker.
     kept: Doses,
-    /// What tissue is without a wire's heat, K above skin at rest.
+    /// Temperature of the tissue without a wire's heat, K above skin at rest.
     rest_k: f64,
     kernel: Kernel,
 }
 
-/// Tissue 0.1 mm deep, degrees C, at so many kelvin above skin at rest without a wire's heat.
+/// Temperature of tissue 0.1 mm deep, degrees C, `rest_k` kelvin above skin at rest without a wire's heat.
 fn shallow_c(kernel: &Kernel, energy: &Decays, rest_k: f64) -> f64 {
     kernel.rest_c + rest_k + LATENT_K[0] + dot(&kernel.shallow, energy)
 }
@@ -100,8 +100,8 @@ impl Round {
 }
 
 impl Guard {
-    /// How the entries of one wire are booked, in order of time, where they come over and over. Of amplifiers whose current is
-    /// set, each entry that goes on confirms its own.
+    /// Books the entries of one wire, in order of time, as if they came over and over. Where amplifiers have their
+    /// current set, each entry that goes on confirms its own.
     pub fn booked<'a>(
         &self,
         entries: impl DoubleEndedIterator<Item = &'a Entry> + Clone,
@@ -122,9 +122,12 @@ impl Guard {
         })
     }
 
-    /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
-    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes `most`
-    /// or longer, and without thermal rows. Tissue is taken to be as warm by a face as it ever was. Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
+    /// Returns how long a session from rest may last in which a wire has these bursts, in order of time, again every
+    /// `period`. It ends when so little of the dose is left that the guard would weaken the mean burst.
+    ///
+    /// Returns `None` if that takes `most` or longer, and for a guard without thermal rows. The tissue counts as warm
+    /// as a face has ever made it. Other rows are left out. The period counts from the first burst; one that is
+    /// shorter than all bursts is made as long as they are.
     pub fn lasts(&self, bursts: &[Booked], period: Duration, most: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
@@ -157,7 +160,7 @@ impl Guard {
             let next = rounds + (rounds / 2).max(1);
             let there = round(after(next), &mut known);
             let n = (next - rounds) as f64;
-            // Rounds between the two are taken to differ evenly.
+            // Rounds between the two are taken to differ by even steps.
             let mean = |a: f64, b: f64| f64::midpoint(a, b);
             let more = (
                 n * mean(here.dose.omega, there.dose.omega),

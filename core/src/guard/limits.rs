@@ -4,8 +4,8 @@
 
 use crate::units::{Duration, Milliamps};
 
-/// Every limit the guard enforces. Powers and energies are electrical, into the wire and its leads;
-/// temperatures are of modelled skin, at the worst of the guard's parameter range.
+/// Limits that the guard enforces. Powers and energies are electrical, into the wire and its leads; temperatures are
+/// of modelled skin, at the worst of the guard's parameter range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Longest single pulse, nanoseconds, at the slowest oscillator a chip may have.
@@ -34,7 +34,7 @@ pub struct Limits {
     pub dose_omega_ppm: u64,
     /// Cumulative equivalent time at 43 C over a session, milliseconds.
     pub dose_cem43_ms: u64,
-    /// Outputs go off when sensor input is older than this, or a tick or the link this late.
+    /// Age of sensor input, or lateness of a tick or the link, at which outputs go off.
     pub stale: Duration,
     /// Current of all wires on at one instant; the bench's supply sets it, there is no hard value.
     pub supply: Milliamps,
@@ -64,8 +64,8 @@ pub const HARD: Limits = Limits {
 };
 
 impl Limits {
-    /// The limits of one of so many fingertips of a hand: each has an equal share of the hand's power, whatever the others
-    /// do with theirs.
+    /// The limits of one of `fingertips` fingertips of a hand: each has an equal share of the hand's power, whatever
+    /// the others do with theirs.
     #[must_use]
     pub fn of_hand(self, fingertips: u64) -> Self {
         let share_uw = self.hand_60s_uw / fingertips.max(1);
@@ -75,13 +75,13 @@ impl Limits {
         }
     }
 
-    /// The stricter of this and [`HARD`] in every row: however a table was made, it cannot loosen that.
+    /// The stricter of this table and [`HARD`] in every row: a table can be made in any way and loosens none of them.
     #[must_use]
     pub fn tightened(self) -> Self {
         self.stricter(&HARD)
     }
 
-    /// The stricter of both in every row, which is the lower.
+    /// The stricter of both in every row: the lower figure.
     #[must_use]
     pub fn stricter(self, other: &Self) -> Self {
         let mut rows = self.rows();
@@ -91,8 +91,8 @@ impl Limits {
         Self::from_rows(rows)
     }
 
-    /// Every row in the order of the fields, as integers: times in microseconds, currents in milliamperes, the rest as it
-    /// is. A driver unit tells its limits in this order.
+    /// Every row in the order of the fields, as integers: times in microseconds, currents in milliamperes, the others
+    /// unchanged. A driver unit tells its limits in this order.
     #[must_use]
     pub const fn rows(&self) -> [u64; 15] {
         [

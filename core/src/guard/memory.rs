@@ -1,5 +1,5 @@
-//! What outlives a guard: heat and dose of the tissue, and what power was spent, in a state of constant size. A guard that
-//! goes on from it has the limits that one long run would have.
+//! State that outlives a guard: heat and dose of the tissue and the power that was spent, in constant size. A guard
+//! that goes on from it has the limits that one long run would have.
 //!
 //! A burst is left out: none is on between two runs.
 
@@ -14,30 +14,30 @@ use super::thermal::{BIN_US, BINS, Budget, Tissue};
 use super::{Booked, Guard};
 use crate::units::{Duration, Instant};
 
-/// No time from a booking to now counts as longer, 30 years: sums of times stay within their type.
+/// Longest time from a booking to now, about 30 years: sums of times stay within their type.
 const LONGEST: Duration = Duration::from_millis(1_000_000_000_000);
-/// A burst is booked no further ahead than this.
+/// Furthest time ahead for which a burst is booked.
 const AHEAD: Duration = Duration::from_millis(60_000);
-/// No energy, temperature or dose is larger than this, in any of the units here.
+/// Largest energy, temperature or dose, in any of the units here.
 const MOST: f64 = 1e6;
 
-/// What outlives a guard. By default nothing was ever driven.
+/// State that outlives a guard. The default is a display that was never driven.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
-    /// By wire, in the display's order.
+    /// Memory of each wire, in the display's order.
     pub wires: Box<[WireMemory]>,
-    /// Of the fingertip's mean power.
+    /// Energy spent of the fingertip's mean power.
     pub tip: Spent,
-    /// How much warmer than skin at rest the face of a Peltier module was at most in the last seconds, K.
+    /// The most by which the face of a Peltier module was warmer than skin at rest in the last seconds, K.
     pub face_k: f64,
 }
 
 /// Heat, dose and power of one wire.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WireMemory {
-    /// When this holds, in the time of [`Self::at`].
+    /// Time of this state, in the time of [`Self::at`].
     pub now: Instant,
-    /// What is booked lies before this.
+    /// The time up to which everything is booked.
     pub at: Instant,
     /// Energy that each decay of the tissue still feels, J.
     pub energy_j: [f64; DECAYS],
@@ -45,9 +45,10 @@ pub struct WireMemory {
     pub bins_ks: [f64; BINS],
     /// Dose of the tissue.
     pub doses: Doses,
-    /// No tissue was warmer, degrees C, whatever the energies say; `None` where they say how warm it was.
+    /// Upper bound of the tissue's temperature so far, degrees C, whatever the energies tell; `None` where they tell
+    /// it.
     pub most_c: Option<f64>,
-    /// Of the wire's mean power.
+    /// Energy spent of the wire's mean power.
     pub power: Spent,
 }
 
@@ -73,7 +74,7 @@ impl Default for WireMemory {
 }
 
 impl WireMemory {
-    /// Memory once so much time has passed without heat. Where that is unknown nothing has cooled.
+    /// The memory after so much time without heat. Where the time is unknown nothing has cooled.
     #[must_use]
     pub fn after(&self, elapsed: Option<Duration>) -> Self {
         let elapsed = elapsed.unwrap_or(Duration::ZERO);
@@ -84,10 +85,10 @@ impl WireMemory {
         }
     }
 
-    /// Whether a guard can have written it.
+    /// Checks that a guard can have written it.
     ///
     /// # Errors
-    /// [`MemoryError`] when not.
+    /// [`MemoryError`] if no guard can have.
     pub fn check(&self) -> Result<(), MemoryError> {
         let doses = [self.doses.omega, self.doses.cem43_min];
         let figures = self.energy_j.iter().chain(&self.bins_ks).chain(&doses);
@@ -97,13 +98,13 @@ impl WireMemory {
     }
 }
 
-/// Whether this is a figure of heat. Not a number is none.
+/// Returns true for a figure of heat: finite, not negative and at most [`MOST`].
 fn is_figure(figure: &f64) -> bool {
     (0.0..=MOST).contains(figure)
 }
 
 impl Memory {
-    /// Memory once so much time has passed without heat. Where that is unknown nothing has cooled.
+    /// The memory after so much time without heat. Where the time is unknown nothing has cooled.
     #[must_use]
     pub fn after(&self, elapsed: Option<Duration>) -> Self {
         Self {
@@ -122,7 +123,7 @@ impl Memory {
 }
 
 impl Tissue {
-    /// What outlives it, as of `at` of its run.
+    /// The wire's state as of `at` of its run.
     fn memory(&self, at: Instant, power: Spent) -> WireMemory {
         WireMemory {
             now: at + self.begun,
@@ -130,7 +131,7 @@ impl Tissue {
             energy_j: self.energy,
             // A rounding error may have left a bin of nothing below zero.
             bins_ks: self.bins.map(|bin| bin.max(0.0)),
-            // What is far beyond any limit is spent in any case.
+            // Power far beyond any limit counts as spent in any case.
             doses: Doses {
                 omega: self.dose.omega.min(MOST),
                 cem43_min: self.dose.cem43_min.min(MOST),
@@ -140,7 +141,7 @@ impl Tissue {
         }
     }
 
-    /// Tissue that goes on, as of `at` of this run, from what outlived another's. Its bins keep their place in time, and
+    /// Restores tissue as of `at` of this run from the memory of another run. The bins keep their place in time, and
     /// windows begin after the beginning of time.
     fn recalled(kernel: &Kernel, memory: &WireMemory, at: Instant, face_k: f64) -> Self {
         let (behind, ahead) = (memory.now.since(memory.at), memory.at.since(memory.now));
@@ -162,8 +163,9 @@ impl Tissue {
         tissue
     }
 
-    /// Tissue at `end` of its run, from above whatever heat comes from `at` until then, `joules` at most. Tissue answers a
-    /// joule the less the older that is, so all of it comes last. Meanwhile tissue keeps to the peak, or to what it was.
+    /// The tissue at `end` of its run, from above for any heat of at most `joules` from `at` until then. Tissue
+    /// answers a joule the less the older it is, so all of it counts at the end. Until then tissue keeps to the peak,
+    /// or to its own temperature if that is higher.
     fn reserved(&self, budget: &Budget, (at, end): (Instant, Instant), joules: f64) -> Self {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         let rest_c = budget.kernel.rest_c + LATENT_K[0];
@@ -185,18 +187,18 @@ impl Tissue {
 }
 
 impl Guard {
-    /// What outlives it, as of `at`.
+    /// The guard's state as of `at`.
     pub fn memory(&self, at: Instant) -> Memory {
         self.recorded(at, |wire, tissue| {
             tissue.memory(at, self.wires[wire].power.spent(at))
         })
     }
 
-    /// The most that [`Self::memory`] may become until a `span` after `at`, whatever is driven, and for a burst more: what a
-    /// program that dies leaves on. All power is spent then.
+    /// The most that [`Self::memory`] may become until a `span` after `at`, and for a burst more, whatever is driven.
+    /// A program that dies leaves this on disk. All power is spent then.
     pub fn reserve(&self, at: Instant, span: Duration) -> Memory {
         let end = at + span;
-        // The last burst that begins until then.
+        // The last burst may begin at the end of the span.
         let reach = self.limits.burst + self.surplus() + self.plant.latency();
         let tip_nj = self.fingertip.most_nj(at, span);
         let reserved = self.recorded(end, |wire, tissue| {
@@ -214,7 +216,7 @@ impl Guard {
         }
     }
 
-    /// What outlives it as of `at`, wire by wire.
+    /// The guard's state as of `at`, wire by wire.
     fn recorded(&self, at: Instant, of: impl Fn(usize, &Tissue) -> WireMemory) -> Memory {
         // Without thermal rows nothing is known of any tissue.
         let unknown = Tissue::new(REST_C);
@@ -228,11 +230,11 @@ impl Guard {
         }
     }
 
-    /// Goes on, as of `at`, from what outlived another guard. For one that has passed nothing yet. Wires that it does not have
-    /// are left out, and those that the other one had not are cold.
+    /// Restores the memory of another guard as of `at`, in a guard that has passed nothing yet. Wires that this guard
+    /// lacks are left out, and those that the other one lacked are cold.
     ///
     /// # Errors
-    /// [`MemoryError`] for figures that no guard can have written. Nothing has changed then.
+    /// [`MemoryError`] for figures that no guard can have written. The guard stays unchanged then.
     pub fn remember(&mut self, memory: &Memory, at: Instant) -> Result<(), MemoryError> {
         memory.wires.iter().try_for_each(WireMemory::check)?;
         if !is_figure(&memory.face_k) {
@@ -253,8 +255,8 @@ impl Guard {
         Ok(())
     }
 
-    /// Books bursts that another guard has passed in a run that began at `began`, in order of time. Returns when the last of
-    /// them is over. Wires that it does not have are left out.
+    /// Books bursts that another guard has passed in a run that began at `began`, in order of time. Returns the end
+    /// of the last of them. Wires that this guard lacks are left out.
     pub fn repeat(&mut self, began: Instant, bursts: &[(u16, Booked)]) -> Instant {
         let (latency, shift) = (self.plant.latency(), began.since(Instant::ZERO));
         let mut bursts: Vec<_> = bursts.iter().collect();

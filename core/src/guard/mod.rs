@@ -51,12 +51,12 @@ use power::{Bucket, Window};
 use thermal::Heat;
 use watchdog::Watchdog;
 
-/// What one channel shall do from now on.
+/// The setting of one channel from now on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// Tick at which the pulse starts in each period.
     pub on: u16,
-    /// Tick at which it ends; equal to `on` for a channel that is off.
+    /// Tick at which the pulse ends; equal to `on` for a channel that is off.
     pub off: u16,
 }
 
@@ -66,7 +66,7 @@ impl Setting {
         self.off.saturating_sub(self.on)
     }
 
-    /// Whether the pulses of two channels of one board are never on together.
+    /// Returns true if the pulses of two channels of one board are never on together.
     const fn is_apart(&self, other: &Self) -> bool {
         self.off <= other.on || other.off <= self.on
     }
@@ -84,19 +84,19 @@ pub struct Guarded {
     at: Instant,
     board: Board,
     channels: [Option<Setting>; 16],
-    /// When each channel that goes on ends.
+    /// End of each channel that goes on.
     ends: [Instant; 16],
-    /// What the amplifier of each channel that goes on shall be set to.
+    /// Current to which the amplifier of each channel that goes on shall be set.
     currents: [Milliamps; 16],
 }
 
 impl Guarded {
-    /// When the update is to take effect.
+    /// Time at which the update is to take effect.
     pub const fn at(&self) -> Instant {
         self.at
     }
 
-    /// The board it is for.
+    /// The board that the update is for.
     pub const fn board(&self) -> Board {
         self.board
     }
@@ -111,8 +111,8 @@ impl Guarded {
         }
     }
 
-    /// What the amplifier of a channel that goes on shall be set to before, where its current is set: zero where it has
-    /// one of its own. `None` for a channel that does not go on.
+    /// Current to which the amplifier of a channel shall be set before the channel goes on; zero where the amplifier
+    /// has a current of its own. `None` for a channel that does not go on.
     pub fn current(&self, channel: u8) -> Option<Milliamps> {
         let setting = self.channels.get(usize::from(channel)).copied().flatten();
         let on = setting.filter(|setting| setting.on < setting.off);
@@ -125,13 +125,13 @@ impl Guarded {
         }
     }
 
-    /// When each channel that goes on will end, by number: what a driver far away must know beforehand. Of a channel that
-    /// goes off it is the time of the update.
+    /// End of each channel that goes on, by number: a driver far away must know it beforehand. A channel that goes
+    /// off has the time of the update.
     pub const fn ends(&self) -> &[Instant; 16] {
         &self.ends
     }
 
-    /// Whether any channel is to change.
+    /// Returns true if any channel is to change.
     pub fn changes(&self) -> bool {
         self.channels.iter().any(Option::is_some)
     }
@@ -142,15 +142,15 @@ impl Guarded {
     }
 }
 
-/// What the guard remembers of one wire.
+/// The guard's memory of one wire.
 #[derive(Clone, Debug)]
 struct WireState {
     place: (Board, u8),
     power: Bucket,
     burst: Option<Burst>,
-    /// What the channel does now.
+    /// The pulse that the channel is driven with now.
     now: Option<Running>,
-    /// What it did before, where it is not known to have ended.
+    /// The pulse before, where the guard does not know that it has ended.
     ending: Option<Ending>,
 }
 
@@ -159,32 +159,32 @@ struct WireState {
 struct Running {
     setting: Setting,
     since: Instant,
-    /// When it has to end.
+    /// Time at which the pulse has to end.
     until: Instant,
 }
 
 /// The guard of one fingertip: every limit of the table, from above.
 ///
-/// Heat and dose count from its making; neither the way back nor anything else clears them.
+/// Heat and dose count from its making; a reset keeps them, as everything else does.
 #[derive(Clone, Debug)]
 pub struct Guard {
     limits: Limits,
     plant: Plant,
     wires: Box<[WireState]>,
     fingertip: Bucket,
-    /// The rows of heat and dose; `None` in a guard that is another one's last word.
+    /// The rows of heat and dose; `None` in a guard that is another guard's last word.
     heat: Option<Box<Heat>>,
     /// The wire of those rows.
     worn: Option<WornWire>,
-    /// A burst leaves a part of each budget that fills again.
+    /// True if a burst leaves a part of each budget that fills again.
     fades: bool,
-    /// Amplifiers whose current is set; `None` for those that have one of their own.
+    /// Amplifiers whose current is set; `None` for those with a current of their own.
     settable: Option<Box<Settable>>,
     watchdog: Watchdog,
     overrun: Option<Overrun>,
-    /// Whether one was found since the latch was closed last.
+    /// True if an overrun was found since the latch was last closed.
     overran: bool,
-    /// What it passes drives emulated registers, whatever it says of it.
+    /// True while updates are observed only: they drive emulated registers, whatever the guard says of them.
     looks_on: bool,
 }
 
@@ -192,7 +192,8 @@ impl Guard {
     /// A guard over a display's wires, each of them a `worn` one. Limits looser than [`HARD`] are tightened to it.
     ///
     /// # Errors
-    /// When the plant's figures are none a wire can have, or there are no rows of heat for such a wire or finger.
+    /// [`PlantError`] when no wire can have the plant's figures, or there are no rows of heat for such a wire or
+    /// finger.
     pub fn new(
         limits: Limits,
         plant: Plant,
@@ -210,7 +211,7 @@ impl Guard {
     /// floating point: pulse, burst, energy, power, supply, staleness and latch.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn last_word(
         limits: Limits,
         plant: Plant,
@@ -220,7 +221,7 @@ impl Guard {
         plant.check()?;
         let kernel = worn.map(|worn| worn.kernel()).transpose()?;
         let limits = limits.tightened();
-        // What is booked at an onset reaches as far beyond it.
+        // A burst booked at an onset reaches this far beyond it.
         let reach = limits.burst + plant.latency() + plant.surplus();
         let bucket = |short: (u64, u64), long: (u64, u64)| {
             let window = |(seconds, mean_uw): (u64, u64)| Window {
@@ -262,13 +263,12 @@ impl Guard {
         self.plant.prescale
     }
 
-    /// How much longer than its stimulus a channel may be on: what is left of a period at the slowest clock, and the
-    /// bus.
+    /// Time by which a channel may be on beyond its stimulus: the rest of a period at the slowest clock, and the bus.
     pub fn surplus(&self) -> Duration {
         self.plant.surplus()
     }
 
-    /// The most that was predicted under any wire so far, for what has been passed; skin at rest where
+    /// The most that was predicted under any wire so far, for all that has passed; skin at rest where
     /// [`Self::has_heat`] is false.
     pub fn predicted(&self) -> &Predicted {
         self.heat
@@ -276,17 +276,17 @@ impl Guard {
             .map_or(&Predicted::REST, |heat| &heat.predicted)
     }
 
-    /// The wire and finger that its thermal rows are of; `None` without them.
+    /// The wire and finger of its thermal rows; `None` without them.
     pub const fn worn(&self) -> Option<WornWire> {
         self.worn
     }
 
-    /// Whether it has the thermal rows.
+    /// Returns true if the guard has the thermal rows.
     pub const fn has_heat(&self) -> bool {
         self.heat.is_some()
     }
 
-    /// What it knows of the boards.
+    /// The boards as the guard knows them.
     pub const fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -296,23 +296,23 @@ impl Guard {
         self.watchdog.hear(at);
     }
 
-    /// When the newest sensor frame was received.
+    /// Time at which the newest sensor frame was received.
     pub const fn heard(&self) -> Option<Instant> {
         self.watchdog.heard()
     }
 
-    /// Whether no sensor frame has come for so long that nothing may be driven.
+    /// Returns true if no sensor frame has come for so long that nothing may be driven.
     pub fn is_stale(&self, now: Instant) -> bool {
         self.watchdog.is_stale(now)
     }
 
-    /// When sensor input becomes too old for anything to be driven.
+    /// Time at which sensor input becomes too old for anything to be driven.
     pub fn stale_at(&self) -> Instant {
         self.watchdog.deadline()
     }
 
-    /// The watchdog's look at `now`: the cause to switch everything off for, if there is one. Call it
-    /// whenever the loop runs, and at [`Self::deadline`] at the latest.
+    /// Lets the watchdog look at `now`, and returns the cause to switch everything off for, if there is one. The loop
+    /// calls it at every turn, and at [`Self::deadline`] at the latest.
     pub fn watch(&mut self, now: Instant) -> Option<Cause> {
         let end = self.next_expiry();
         let cause = self.watchdog.look(now, end);
@@ -322,36 +322,36 @@ impl Guard {
         }
     }
 
-    /// When sensor input becomes too old for what is driven; a latched guard has noticed.
+    /// Time at which sensor input becomes too old for what is driven; a latched guard has noticed.
     pub fn deadline(&self) -> Option<Instant> {
         let driven = self.next_expiry().is_some() && self.latched().is_none();
         driven.then(|| self.stale_at())
     }
 
-    /// Refuses everything from now on. The first cause is kept, but for a failed bus that became an overrun.
+    /// Refuses everything from now on. The first cause stays, except that an overrun replaces a failed bus.
     pub fn latch(&mut self, cause: Cause) {
         self.overran = false;
         self.watchdog.latch(cause);
     }
 
-    /// Why everything is refused, if it is.
+    /// The cause for which everything is refused, if it is.
     pub const fn latched(&self) -> Option<Cause> {
         self.watchdog.latched()
     }
 
-    /// Whether frames come and the loop runs on time.
+    /// Checks that frames come and that the loop runs on time.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The cause for which nothing may be driven.
     pub fn ready(&self, now: Instant) -> Result<(), Cause> {
         self.watchdog.ready(now)
     }
 
-    /// The way back from a latch, for a caller that has seen to it that the outputs are off and their link is
-    /// whole; [`Projector::reset`](crate::projector::Projector::reset) does.
+    /// Opens the latch, for a caller that has made sure that the outputs are off and their link is whole;
+    /// [`Projector::reset`](crate::projector::Projector::reset) does.
     ///
     /// # Errors
-    /// What is still wrong, as in [`Self::ready`]; the latch stays closed.
+    /// The cause that persists, as in [`Self::ready`]; the latch stays closed.
     pub fn reset(&mut self, now: Instant) -> Result<(), Cause> {
         self.ready(now)?;
         self.watchdog.open();
@@ -374,7 +374,7 @@ impl Guard {
         self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// As [`Self::admit`], but wires without a stimulus go on as they are. A stimulus without width ends its wire.
+    /// Admits stimuli like [`Self::admit`], but lets wires without one go on. A stimulus without width ends its wire.
     pub fn change(
         &mut self,
         at: Instant,
@@ -388,7 +388,7 @@ impl Guard {
         self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// The stimuli of one board, each as `judge` leaves it, added to an `update` that ended those before them.
+    /// Adds the stimuli of one board, each as `judge` leaves it, to an `update` that ended those before them.
     fn pass(
         &mut self,
         mut update: Guarded,
@@ -446,7 +446,7 @@ impl Guard {
         self.switch_off(at, board, |_, running| running.until <= at)
     }
 
-    /// When the next stimulus ends.
+    /// End of the next stimulus to end.
     pub fn next_expiry(&self) -> Option<Instant> {
         self.wires
             .iter()

@@ -1,13 +1,14 @@
-//! A run that the guard only observes: it books what is driven, notes what it would have done, and changes nothing.
+//! A run that the guard only observes: it books what is driven, notes the changes that it would have made, and makes
+//! none.
 //!
-//! For emulated benches alone. What comes of it is a type of its own that no driver takes.
+//! Only emulated benches have such a run. Its updates have a type of their own that no driver takes.
 
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Instant, Milliamps};
 
 use super::{Guard, Guarded, Setting};
 
-/// What the channels of one board shall do, as the guard saw it and did not judge. No driver takes it:
+/// Channel settings of one board that the guard observed and did not judge. No driver takes them:
 ///
 /// ```compile_fail,E0308
 /// # use palpate_core::{driver::Actuators, guard::Observed};
@@ -16,7 +17,7 @@ use super::{Guard, Guarded, Setting};
 /// }
 /// ```
 ///
-/// Nor is there a way to turn one into what a driver takes:
+/// Nothing turns them into an update that a driver takes:
 ///
 /// ```compile_fail,E0277
 /// # use palpate_core::guard::{Guarded, Observed};
@@ -37,20 +38,21 @@ impl Observed {
         self.board
     }
 
-    /// Every channel that carries a wire, by number, also those that stay as they are.
+    /// Settings of every channel that carries a wire, by number, unchanged ones too.
     pub const fn channels(&self) -> &[Option<Setting>; 16] {
         &self.channels
     }
 
-    /// What the amplifier of each channel that goes on shall be set to before, by number, where its current is set.
+    /// Current to which the amplifier of each channel that goes on shall be set before, where its current is set.
     pub const fn currents(&self) -> &[Option<Milliamps>; 16] {
         &self.currents
     }
 }
 
 impl Guard {
-    /// As [`Self::admit`], but every stimulus stays as it is. Its entry has the reason for which it would have been
-    /// changed or refused. Heat, dose and energy are booked as they flow. `None` where no channel changes.
+    /// Books stimuli like [`Self::admit`], but leaves each unchanged. The entry names the reason for which `admit`
+    /// would have changed or refused it. Heat, dose and energy are booked as they flow. Returns `None` where no
+    /// channel changes.
     pub fn observe(
         &mut self,
         at: Instant,
@@ -64,14 +66,14 @@ impl Guard {
         update.changes().then(|| self.observed(&update))
     }
 
-    /// Ends what has ended by `at` on one board. `None` where nothing has.
+    /// Ends the stimuli of one board that are over at `at`. `None` where none is.
     #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
         let update = self.expire(at, board);
         update.changes().then(|| self.observed(&update))
     }
 
-    /// Emulated registers hold what was observed: every current in it was set.
+    /// Confirms an observed update: emulated registers hold it, and every current in it was set.
     #[cfg(target_has_atomic = "ptr")]
     pub(crate) fn confirm_observed(&mut self, update: &Observed) {
         let current = |channel: u8| {
@@ -81,7 +83,7 @@ impl Guard {
         self.confirm_currents(update.board, current);
     }
 
-    /// What the wires of an update's board do now, and the currents of those that it switches on.
+    /// The present settings of the wires of an update's board, and the currents of those that it switches on.
     fn observed(&self, update: &Guarded) -> Observed {
         let board = update.board();
         let mut currents = [None; 16];

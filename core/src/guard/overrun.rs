@@ -1,5 +1,5 @@
-//! A channel that was told to go off counts as on until its driver says that it is off: what flows in it meanwhile is
-//! booked, and a wire that is on for too long is an overrun.
+//! Overruns: a channel that was told to go off counts as on until its driver says that it is off. The guard books the
+//! current that flows meanwhile, and a wire that is on for too long is an overrun.
 
 use core::cmp::Ordering;
 
@@ -7,12 +7,12 @@ use crate::units::{Duration, Instant};
 
 use super::{Guard, Guarded, Running};
 
-/// Wires that were on for longer than [`Guard::longest`]. Their limits were passed: what flowed, flowed.
+/// Wires that were on for longer than [`Guard::longest`]. They passed their limits: the heat has flowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Overrun {
     /// The wire that was on for longest.
     pub wire: u16,
-    /// How long: from the beginning of its burst until it was known to be off, or as long as it is on so far.
+    /// Time from the beginning of its burst until it was known to be off, or until now if it still is on.
     pub on: Duration,
     /// The most electrical energy that was booked for such a burst, nJ.
     pub energy_nj: u64,
@@ -21,33 +21,33 @@ pub struct Overrun {
 /// A channel that was told to go off and is not known to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ending {
-    /// What it did; its end is how far it is booked.
+    /// The pulse that it was driven with; its end is the time up to which it is booked.
     was: Running,
     /// The beginning of its burst.
     since: Instant,
 }
 
 impl Guard {
-    /// How long a wire may be on, from the beginning of its burst until it is known to be off: a burst, and what a channel
-    /// may be on beyond its stimulus, [`Self::surplus`]. Within that nothing tells a burst that kept its limit from one
-    /// that passed it.
+    /// The longest that a wire may be on, from the beginning of its burst until it is known to be off: a burst and
+    /// the [`Self::surplus`] of a channel beyond its stimulus. Within that time nothing distinguishes a burst that
+    /// kept its limit from one that passed it.
     pub fn longest(&self) -> Duration {
         self.limits.burst + self.plant.surplus()
     }
 
-    /// Wires that were on for too long, if any was since the guard was made.
+    /// The overrun, if any wire was on for too long since the guard was made.
     pub const fn overrun(&self) -> Option<Overrun> {
         self.overrun
     }
 
-    /// Whether one was found that no latch has followed: the outputs are to be switched off for
+    /// Returns true if an overrun was found that no latch has followed: the outputs are to be switched off for
     /// [`Cause::Overrun`](super::Cause::Overrun).
     pub const fn overran(&self) -> bool {
         self.overran
     }
 
-    /// A driver has put an update on the outputs, where it is known to stand since `at`: every current in it was set and
-    /// has read back, and what it switched off is off.
+    /// Confirms that a driver has put an update on the outputs, where it is known to stand since `at`: every current
+    /// in it was set and has read back, and the channels that it switched off are off.
     pub fn confirm(&mut self, update: &Guarded, at: Instant) {
         for index in 0..self.wires.len() {
             let (board, channel) = self.wires[index].place;
@@ -59,7 +59,7 @@ impl Guard {
         self.confirm_currents(update.board, |channel| update.current(channel));
     }
 
-    /// Everything is told to go off at `at`, and counts as on until [`Self::all_off`]. No current is confirmed any more.
+    /// Tells everything to go off at `at`; it counts as on until [`Self::all_off`]. No current is confirmed any more.
     pub fn ask_off(&mut self, at: Instant) {
         for index in 0..self.wires.len() {
             if let Some(was) = self.wires[index].now.take() {
@@ -69,7 +69,7 @@ impl Guard {
         self.forget_currents();
     }
 
-    /// Everything is known to be off since `at`: by an all-off of the driver, or because its outputs are cut.
+    /// Takes everything as off since `at`: by an all-off of the driver, or because its outputs are cut.
     pub fn all_off(&mut self, at: Instant) {
         self.ask_off(at);
         for index in 0..self.wires.len() {
@@ -77,7 +77,7 @@ impl Guard {
         }
     }
 
-    /// What is not known to be off was on until `at`, and may still be.
+    /// Books every channel that is not known to be off as on until `at`; it may still be on.
     pub fn still_on(&mut self, at: Instant) {
         for index in 0..self.wires.len() {
             if let Some(mut ending) = self.wires[index].ending {
@@ -88,7 +88,7 @@ impl Guard {
         }
     }
 
-    /// A channel is told to go off at `at`.
+    /// Tells a channel to go off at `at`.
     pub(super) fn told_off(&mut self, index: usize, was: Running, at: Instant) {
         self.book_late(index, &was, at);
         if self.looks_on {
@@ -102,7 +102,7 @@ impl Guard {
             since: begun.min(was.since),
         };
         if let Some(earlier) = wire.ending {
-            // What never took the one before may do the wider of both ever since.
+            // A channel that never took the setting before may have kept the wider of both ever since.
             let setting = match was.setting.width().cmp(&earlier.was.setting.width()) {
                 Ordering::Greater => was.setting,
                 _ => earlier.was.setting,
@@ -116,20 +116,21 @@ impl Guard {
         wire.ending = Some(ending);
     }
 
-    /// A channel that was told to go off is known to be since `at`.
+    /// Takes a channel that was told to go off as off since `at`.
     fn end(&mut self, index: usize, at: Instant) {
         if let Some(ending) = self.wires[index].ending.take() {
             self.flowed(index, &ending, at);
         }
     }
 
-    /// Books what a channel that was told to go off got until `at`; the bus's own time is booked already.
+    /// Books the energy of a channel that was told to go off, until `at`; the bus's own time is booked already.
     fn flowed(&mut self, index: usize, ending: &Ending, at: Instant) {
         self.book_late(index, &ending.was, at - self.plant.switching());
         self.weigh(index, ending.since, at);
     }
 
-    /// The watchdog's look at wires that are not known to be off. Whether one has been on for too long.
+    /// Looks at the wires that are not known to be off, for the watchdog. Returns true if one has been on for too
+    /// long.
     pub(super) fn is_overdue(&mut self, now: Instant) -> bool {
         let mut overdue = false;
         for index in 0..self.wires.len() {
@@ -140,7 +141,7 @@ impl Guard {
         overdue
     }
 
-    /// Whether a wire that was on between two times was so for too long; that is kept.
+    /// Records an overrun if a wire was on between two times for too long, and returns true if so.
     fn weigh(&mut self, index: usize, since: Instant, until: Instant) -> bool {
         let on = until.since(since);
         if on <= self.longest() {

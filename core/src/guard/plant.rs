@@ -1,4 +1,4 @@
-//! What the guard must know of the hardware it protects, and what its pulses deliver at worst.
+//! The hardware that the guard protects, as far as it must know it, and the energy that its pulses deliver at worst.
 
 use super::kernel::WornWire;
 use crate::units::{Duration, Milliamps, Prescale, Ticks};
@@ -8,25 +8,25 @@ const SLOWEST_HZ: u64 = 23_000_000;
 /// Parts per million of a whole.
 const MILLION: u64 = 1_000_000;
 
-/// How much longer the bus may take to switch wires off than to switch one on: eight channels against one at
-/// 400 kbit/s, and as much again for the host.
+/// The most by which the bus delays switching wires off against switching one on: eight channels against one at 400
+/// kbit/s, and as much again for the host.
 const SWITCHING: Duration = Duration::from_micros(1000);
 
-/// What the guard must know of the hardware it protects.
+/// The hardware that a guard protects, as far as it must know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plant {
     /// PRE_SCALE of the boards.
     pub prescale: Prescale,
     /// Resistance of one wire with its leads, milliohms.
     pub wire_milliohm: u32,
-    /// Current that the amplifiers give whenever a pulse is high; of those whose current is set, the most they can.
+    /// Current that the amplifiers give whenever a pulse is high; the most that they can where their current is set.
     pub peak: Milliamps,
-    /// How long transfers of other displays may hold one of these boards up, on a bus that they share; else zero.
+    /// The longest that transfers of other displays may hold up one of these boards on a shared bus; else zero.
     pub bus: Duration,
 }
 
 impl Default for Plant {
-    /// 75 um wires of 1.9 Ohm at 990 mA and 197 Hz: a current that contacts can sustain as long as they move.
+    /// The plant of 75 um wires of 1.9 Ohm at 990 mA and 197 Hz: contacts can sustain that current while they move.
     fn default() -> Self {
         Self {
             prescale: Prescale::new(30),
@@ -37,11 +37,11 @@ impl Default for Plant {
     }
 }
 
-/// Why a guard cannot protect this hardware.
+/// Reasons for which a guard cannot protect this hardware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlantError {
-    /// Resistance or current is zero or absurd (over 1 kOhm or 100 A).
+    /// A resistance or current that is zero or absurd (over 1 kOhm or 100 A).
     #[error(
         "expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA"
     )]
@@ -70,10 +70,10 @@ pub enum PlantError {
 }
 
 impl Plant {
-    /// Whether these are figures that a wire can have.
+    /// Checks that a wire can have these figures.
     ///
     /// # Errors
-    /// [`PlantError`] when not.
+    /// [`PlantError`] if none can.
     pub(super) fn check(&self) -> Result<(), PlantError> {
         let plausible = |x: u32, most: u32| (1..=most).contains(&x);
         if plausible(self.wire_milliohm, 1_000_000) && plausible(self.peak.0, 100_000) {
@@ -83,7 +83,7 @@ impl Plant {
         }
     }
 
-    /// What heats more of both, board by board alike: the larger current, resistance and wait. The divider stays.
+    /// The worse of both, board by board alike: the larger current, resistance and wait. The divider stays.
     #[must_use]
     pub fn worse(self, other: &Self) -> Self {
         Self {
@@ -94,7 +94,7 @@ impl Plant {
         }
     }
 
-    /// Ticks' divider, PRE_SCALE + 1.
+    /// Divider of the ticks, PRE_SCALE + 1.
     const fn divider(&self) -> u64 {
         self.prescale.get() as u64 + 1
     }
@@ -123,7 +123,7 @@ impl Plant {
         Duration::from_micros((self.tick_ps() * Ticks::PER_PERIOD as u64).div_ceil(1_000_000))
     }
 
-    /// Microseconds that no period is shorter than. An internal oscillator promises nothing.
+    /// Shortest period, microseconds. An internal oscillator promises none.
     const fn shortest_us(&self) -> u64 {
         let clock = self.prescale.clock();
         match clock.tolerance_ppm() {
@@ -135,7 +135,7 @@ impl Plant {
         }
     }
 
-    /// How much longer the bus may take to switch wires off than to switch one on.
+    /// The most by which the bus delays switching wires off against switching one on.
     pub(super) fn switching(&self) -> Duration {
         SWITCHING + self.bus
     }
@@ -146,7 +146,7 @@ impl Plant {
         self.period() + self.period() + self.switching()
     }
 
-    /// How much longer than asked a channel may be on, as its energy counts: one period and the bus.
+    /// The longest that a channel may be on beyond its request, as its energy counts: one period and the bus.
     pub(super) fn surplus(&self) -> Duration {
         self.period() + self.switching()
     }
@@ -154,9 +154,9 @@ impl Plant {
     /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all clocks and phases.
     ///
     /// Each period of length T that starts within the span, lengthened by the bus to S, brings
-    /// `I^2 R T width / 4096`, and `floor(S / T) + 1` can. At the slowest T that are n = ceil(S / T). A faster
-    /// clock fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that
-    /// fast, n it stays.
+    /// `I^2 R T width / 4096`, and `floor(S / T) + 1` can. At the slowest T that are n = ceil(S / T). A faster clock
+    /// fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that fast, n
+    /// stays.
     pub(super) fn energy_nj(&self, width: u16, span: Duration) -> u64 {
         let span = (span + self.switching()).as_micros();
         let slowest = self.period().as_micros();
@@ -180,11 +180,11 @@ impl Plant {
         nj.min(u128::from(u64::MAX / 4)) as u64
     }
 
-    /// Electrical energy, nJ, beyond what a stimulus was booked with, of one that ended `late`.
+    /// Electrical energy, nJ, beyond the booking of a stimulus that ended `late`.
     ///
-    /// On a clock of stated tolerance that is what the whole span counts more: the half period of
-    /// [`Prescale::counted`] is not counted twice, and a host that is a little late costs nothing. On the internal
-    /// oscillator the booking says nothing of *when* within it pulses came: what is late counts by itself.
+    /// On a clock of stated tolerance that is the excess of the whole span: the half period of [`Prescale::counted`]
+    /// is not counted twice, and a host that is a little late costs nothing. On the internal oscillator the booking
+    /// leaves open *when* within it pulses came, so the late part counts by itself.
     pub(super) fn late_nj(&self, width: u16, planned: Duration, late: Duration) -> u64 {
         if self.prescale.clock().tolerance_ppm().is_none() {
             return self.energy_nj(width, late);

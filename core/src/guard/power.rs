@@ -16,17 +16,17 @@ pub(super) struct Bucket {
     at: Instant,
 }
 
-/// What was spent of what may be spent at once.
+/// Energy that was spent of what a bucket holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
     /// Energy, picojoules; more than there is counts as all of it.
     pub pj: u64,
-    /// How long ago: what refills since then is no longer spent.
+    /// Time since then: what refills in it is no longer spent.
     pub ago: Duration,
 }
 
 impl Spent {
-    /// All that there is, now.
+    /// All energy of a bucket, spent now.
     pub(super) const ALL: Self = Self {
         pj: u64::MAX,
         ago: Duration::ZERO,
@@ -41,7 +41,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Energy that fits in.
+    /// Energy that fits in the window, pJ.
     const fn energy_pj(self) -> u64 {
         self.mean_uw.saturating_mul(self.length.as_micros())
     }
@@ -82,7 +82,7 @@ impl Bucket {
         self.left_pj / 1000
     }
 
-    /// The same in picojoules, and nothing changes.
+    /// Energy that may be spent at `at`, pJ; the bucket stays unchanged.
     pub(super) fn left_pj_at(&self, at: Instant) -> u64 {
         let refill = self.rate_uw.saturating_mul(at.since(self.at).as_micros());
         self.left_pj.saturating_add(refill).min(self.capacity_pj)
@@ -94,7 +94,7 @@ impl Bucket {
         self.left_pj_at(at).saturating_add(refill) / 1000
     }
 
-    /// The part of what may be spent at once that is spent at `at`; all of nothing.
+    /// The share of the bucket that is spent at `at`; all of an empty capacity.
     pub(super) fn used_at(&self, at: Instant) -> f64 {
         match self.capacity_pj {
             0 => 1.0,
@@ -102,7 +102,7 @@ impl Bucket {
         }
     }
 
-    /// What is spent at `at`.
+    /// Energy spent as of `at`.
     pub(super) fn spent(&self, at: Instant) -> Spent {
         Spent {
             pj: self.capacity_pj - self.left_pj_at(at),
@@ -110,7 +110,7 @@ impl Bucket {
         }
     }
 
-    /// Goes on at `at` from what was spent before.
+    /// Resumes at `at` from the energy that was spent before.
     pub(super) fn recall(&mut self, spent: &Spent, at: Instant) {
         let refill = self.rate_uw.saturating_mul(spent.ago.as_micros());
         let left = self.capacity_pj.saturating_sub(spent.pj);

@@ -1,6 +1,6 @@
-//! How warm tissue is without a wire's heat: skin at rest, or under a warm face of a Peltier module.
+//! Temperature of tissue without a wire's heat: skin at rest, or under a warm face of a Peltier module.
 //!
-//! A face that is colder than skin at rest gives nothing: the wires' rows are never looser than without it.
+//! A face that is colder than skin at rest relieves nothing: the wires' rows are never looser than without it.
 
 use crate::units::{Duration, Instant};
 
@@ -15,7 +15,7 @@ const BINS: usize = 14;
 /// The warmest face of the last seconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rest {
-    /// Above rest, K, by bin of absolute time, the newest first.
+    /// Warmest face above rest, K, by bin of absolute time, the newest first.
     bins: [f64; BINS],
     /// Number of the newest bin.
     newest: u64,
@@ -29,7 +29,7 @@ impl Rest {
         self.bins.into_iter().fold(0.0, f64::max)
     }
 
-    /// From now on it is `k` at least. Lower ones count once the bins before are over.
+    /// Raises the face to at least `k` from now on. A lower face counts once the bins before are over.
     pub(super) fn raise(&mut self, at: Instant, k: f64) {
         let bin = at.as_micros() / BIN.as_micros();
         let passed = bin.saturating_sub(self.newest).min(BINS as u64) as usize;
@@ -42,9 +42,9 @@ impl Rest {
 }
 
 impl Guard {
-    /// Tells it of a face on the skin that may be as warm as `face_c` and shall become `wanted_c`, degrees C. From now on
-    /// bursts are measured against the warmer of both, and predictions count from the face, for as long as tissue remembers
-    /// it. Not a number counts as far too warm.
+    /// Tells the guard of a face on the skin that may be as warm as `face_c` and shall become `wanted_c`, degrees C.
+    /// From now on bursts are measured against the warmer of both, and predictions count from the face, for as long
+    /// as tissue remembers it. Not a number counts as far too warm.
     ///
     /// Returns the warmest that the face may become now, degrees C: with it, what is booked keeps to every limit. A
     /// guard without thermal rows bears no face warmer than skin at rest.
@@ -62,7 +62,7 @@ impl Guard {
         let mut bears_k = f64::INFINITY;
         for tissue in &mut heat.tissues {
             let (predicted, k) = tissue.bears(&heat.budget, at, face_k);
-            // A face that is no warmer than it was changes nothing of what was predicted with each booking.
+            // A face that is no warmer than before changes nothing of what was predicted with each booking.
             if face_k > tissue.face_k {
                 heat.predicted.raise(&predicted);
             }

@@ -6,7 +6,7 @@ pub(super) const DECAYS: usize = 14;
 /// Rate of the slowest decay, 1/s; each is twice as fast as the one before.
 pub(super) const SLOWEST: f64 = 0.010502762;
 
-/// What released latent heat may add at 0.1 mm, to its mean over 10 s, and at 0.4 mm, K.
+/// Most that released latent heat adds at 0.1 mm, to its mean over 10 s, and at 0.4 mm, K.
 pub(super) const LATENT_K: [f64; 3] = [0.2, 0.1, 0.05];
 
 /// Diameters of the rows, nm.
@@ -15,7 +15,7 @@ pub(super) const DIAMETERS_NM: [u32; 6] = [50000, 66068, 66069, 75000, 87000, 10
 /// Lengths of the rows, as (5 mm / length) squared: what the ends take. The first is a wire without ends.
 pub(super) const LENGTHS: [f64; 3] = [0.0, 1.0, 2.777777777777778];
 
-/// What each decay makes of a joule for 5 mm of wire, K: by diameter, by length, at 0.1 and at 0.4 mm.
+/// Temperature that a joule makes in each decay for 5 mm of wire, K: by diameter, by length, at 0.1 and at 0.4 mm.
 #[rustfmt::skip]
 pub(super) const ROWS: [[[[f64; DECAYS]; 2]; 3]; 6] = [
     [

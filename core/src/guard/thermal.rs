@@ -1,9 +1,9 @@
-//! The thermal budget: what the skin under each wire will come to, from above over the whole parameter range.
+//! The thermal budget: predicted temperature of the skin under each wire, from above over the whole parameter range.
 //!
-//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients are the wire's [`Kernel`]: nowhere below
-//! the response of the full model at any corner of the range, at that time or later. So what is
-//! predicted at the end of a burst is also the most that can come after it. A wire's memory is one number a
-//! decay, the bins of its 10 s mean, and its dose.
+//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients are the wire's [`Kernel`]: nowhere
+//! below the response of the full model at any corner of the range, at that time or later. The prediction at the end
+//! of a burst is therefore also the most that can come after it. A wire's memory is one number per decay, the bins of
+//! its 10 s mean, and its dose.
 //!
 //! Heat is booked no earlier than the chip can deliver it: a response that falls with time makes the later
 //! booking the hotter one. That allows for every oscillator, the bus, and the place of a pulse in its period.
@@ -31,17 +31,17 @@ pub(super) const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
 /// Bins after the end of a burst at which the mean is looked at; between two of them it is taken to have the
 /// heat of the later and the past of the earlier one.
 const AHEAD: [u64; LOOKS] = [1, 2, 4, 8, 14, 20, 30, 40];
-/// So many looks.
+/// Number of looks ahead.
 const LOOKS: usize = 8;
 
 /// The thermal rows: all of the guard that needs floating point.
 #[derive(Clone, Debug)]
 pub(super) struct Heat {
     pub(super) budget: Budget,
-    /// One per wire.
+    /// Tissue under each wire.
     pub(super) tissues: Box<[Tissue]>,
     pub(super) predicted: Predicted,
-    /// What tissue is without a wire's heat.
+    /// Temperature of the tissue without a wire's heat.
     pub(super) rest: Rest,
 }
 
@@ -57,23 +57,23 @@ impl Heat {
     }
 }
 
-/// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
+/// The limits of the budget, as temperatures above rest of skin without latent heat, and the sums that look ahead.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
-    /// What a joule does, and what tissue is without it.
+    /// The effect of a joule, and the tissue without it.
     pub(super) kernel: Kernel,
     pub(super) peak_k: f64,
     mean_k: f64,
     deep_k: f64,
     dose: Doses,
-    /// More dose left than this allows more than the peak does.
+    /// Dose left beyond which the dose allows more than the peak does.
     ample: Doses,
     felt: Sums<{ 2 + LOOKS }>,
     pub(super) stretches: Stretches,
     response: Response,
 }
 
-/// What skin makes of energies that decay.
+/// Temperatures that decaying energies make in the skin.
 #[derive(Clone, Copy, Debug)]
 struct Felt {
     /// Temperature above rest at 0.1 mm and at 0.4 mm, K.
@@ -83,33 +83,33 @@ struct Felt {
     ahead: [f64; LOOKS],
 }
 
-/// What the guard knows of the skin under one wire.
+/// The guard's knowledge of the skin under one wire.
 #[derive(Clone, Debug)]
 pub(super) struct Tissue {
-    /// Booked until here, in a time that began with the first run of the session.
+    /// Time until which everything is booked, counted from the first run of the session.
     pub(super) at: Instant,
-    /// When this run began in that time.
+    /// Start of this run in that time.
     pub(super) begun: Duration,
     /// Energy that each decay still feels, J.
     pub(super) energy: Decays,
     /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
     pub(super) bins: [f64; BINS],
     pub(super) dose: Dose,
-    /// No skin was warmer before the next heat, degrees C, whatever the energies say: those of a reserve lie above all that
-    /// can have been.
+    /// Upper bound of the skin's temperature before the next heat, degrees C, whatever the energies tell: those of a
+    /// reserve lie above all that can have been.
     pub(super) most_c: f64,
-    /// How much warmer than skin at rest it is without its wire's heat, K; never less than zero.
+    /// The excess over skin at rest without the wire's heat, K; never less than zero.
     pub(super) face_k: f64,
-    /// The same with what is wanted of the face: what bursts to come make room for.
+    /// Excess with the face's wanted temperature counted in, K: bursts to come make room for it.
     pub(super) rest_k: f64,
 }
 
 /// A burst as the budget books it: uniform between two times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Booking {
-    /// Not before this.
+    /// The earliest start.
     pub(super) from: Instant,
-    /// All of it until here.
+    /// The end of all of it.
     pub(super) until: Instant,
 }
 
@@ -143,7 +143,7 @@ impl Predicted {
         }
     }
 
-    /// Takes over what is higher.
+    /// Takes over each figure that is higher.
     pub(super) fn raise(&mut self, other: &Self) {
         self.peak_c = self.peak_c.max(other.peak_c);
         self.mean_c = self.mean_c.max(other.mean_c);
@@ -153,11 +153,11 @@ impl Predicted {
     }
 }
 
-/// What a joule spread over a burst comes to, in the shapes that [`Tissue::room`] asks for.
+/// The effect of a joule spread over a burst, in the shapes that [`Tissue::room`] asks for.
 #[derive(Clone, Copy, Debug)]
 struct Response {
     stretch: Stretch,
-    /// At its end.
+    /// Temperatures at the end of the burst.
     felt: Felt,
     /// Time integral at 0.1 mm from its start until each of [`AHEAD`], K s/J.
     integrals: [f64; LOOKS],
@@ -222,7 +222,7 @@ impl Budget {
         self.dose
     }
 
-    /// The power, W, that may flow evenly where a watt warms tissue by so many K at 0.1 and at 0.4 mm.
+    /// The power, W, that may flow evenly where a watt warms tissue by `shallow` K at 0.1 mm and `deep` K at 0.4 mm.
     pub(super) fn even_w(&self, shallow: f64, deep: f64) -> f64 {
         (self.mean_k / shallow).min(self.deep_k / deep)
     }
@@ -243,8 +243,8 @@ impl Tissue {
         }
     }
 
-    /// When a burst that is on between two times is booked: after all that is booked, and as late as
-    /// `latency` allows it to come.
+    /// Booking of a burst that is on between two times: after all that is booked, and as late as `latency` allows it
+    /// to come.
     pub(super) fn booking(&self, on: Instant, off: Instant, latency: Duration) -> Booking {
         let from = self.at.max(on + self.begun + latency);
         let least = from + Duration::from_micros(1);
@@ -254,8 +254,8 @@ impl Tissue {
         }
     }
 
-    /// Electrical energy, J, that a booking may bring until a limit is met, and which: not more than zero if
-    /// one is met without it.
+    /// Electrical energy, J, that a booking may bring until a limit is met, and that limit; at most zero if one is
+    /// met already.
     pub(super) fn room(&mut self, budget: &mut Budget, booking: Booking) -> (f64, Reason) {
         self.relax((&budget.kernel, &mut budget.stretches), booking.from);
         let span = booking.until.since(booking.from);
@@ -270,7 +270,7 @@ impl Tissue {
         others.into_iter().fold(first, least)
     }
 
-    /// The same of every limit, and nothing changes.
+    /// Energy that each limit leaves; the tissue stays unchanged.
     pub(super) fn each_room(&self, budget: &Budget, booking: Booking) -> [(f64, Reason); 4] {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), booking.from);
@@ -282,7 +282,7 @@ impl Tissue {
         tissue.rooms(budget, &response, booking)
     }
 
-    /// By limit; of the dose, infinity where more is left than the peak allows to spend.
+    /// Energy that each limit leaves, J; infinity for the dose where it leaves more than the peak allows to spend.
     fn rooms(&self, budget: &Budget, each: &Response, booking: Booking) -> [(f64, Reason); 4] {
         let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
         let rest_k = self.rest_k;
@@ -325,7 +325,7 @@ impl Tissue {
         self.to_come(budget)
     }
 
-    /// What is predicted from what is booked if nothing more comes.
+    /// Predicts temperatures and doses from what is booked, if nothing more comes.
     fn to_come(&self, budget: &Budget) -> Predicted {
         let felt = Felt::new(&budget.felt, &self.energy);
         let means = self.pasts(self.at).into_iter().zip(felt.ahead);
@@ -341,8 +341,8 @@ impl Tissue {
         }
     }
 
-    /// What is predicted at `now` with a face so many kelvin above skin at rest, and the warmest that it may become, K,
-    /// so that what is booked keeps to the limits.
+    /// Predicts temperatures and doses at `now` with a face `face_k` kelvin above skin at rest. The second figure is
+    /// the warmest that the face may be, K above skin at rest, for what is booked to keep to the limits.
     pub(super) fn bears(&self, budget: &Budget, now: Instant, face_k: f64) -> (Predicted, f64) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
@@ -356,7 +356,7 @@ impl Tissue {
         (predicted, left)
     }
 
-    /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
+    /// Raises the rows of heat to their shares here at `now`, or at the end of the bookings if that is later.
     pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax((&budget.kernel, &mut stretches), now + self.begun);
@@ -376,8 +376,8 @@ impl Tissue {
         );
     }
 
-    /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
-    /// there the steps grow. What bins held then is shifted out by as many bins as are kept.
+    /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters, so the
+    /// steps grow there. The bins of that time are shifted out, as many as are kept.
     pub(super) fn relax(&mut self, (kernel, stretches): (&Kernel, &mut Stretches), to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
@@ -392,7 +392,7 @@ impl Tissue {
         }
     }
 
-    /// A stretch within one bin.
+    /// Books `joules` over a stretch within one bin.
     fn step(
         &mut self,
         (kernel, stretches): (&Kernel, &mut Stretches),
@@ -419,7 +419,7 @@ impl Tissue {
         }
     }
 
-    /// Skin 0.1 mm deep, degrees C, where it is booked until.
+    /// Temperature of skin 0.1 mm deep, degrees C, at the end of the bookings.
     pub(super) fn shallow_c(&self, kernel: &Kernel) -> f64 {
         let warmth_k = dot(&kernel.shallow, &self.energy);
         let shallow_c = kernel.rest_c + self.face_k + LATENT_K[0] + warmth_k;
@@ -431,8 +431,8 @@ impl Tissue {
         Instant::from_micros((self.at.as_micros() / BIN_US + 1).saturating_mul(BIN_US))
     }
 
-    /// What bins hold of the windows that end between `until` and the first, the first and the second and so on
-    /// of [`AHEAD`] after it, K s. The later windows hold the fewer bins, and each is the start of the one before.
+    /// The bins' part of each window that ends between `until` and the first of [`AHEAD`], between the first and the
+    /// second, and so on, K s. Later windows hold fewer bins; each starts where the one before does.
     fn pasts(&self, until: Instant) -> [f64; LOOKS] {
         let mut sums = [0.0; BINS + 1];
         for (n, bin) in self.bins.iter().enumerate() {

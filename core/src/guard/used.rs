@@ -1,14 +1,14 @@
-//! How much of each limit is used: what a page, a terminal and a summary show of the guard while it works.
+//! The used share of each limit: a page, a terminal and a summary show it while the guard works.
 //!
-//! Reading changes nothing and allocates nothing. The figures are the guard's own, from above over its range: what it
-//! has booked, not what flowed.
+//! Reading changes nothing and allocates nothing. The figures are the guard's own upper bounds: they count what is
+//! booked, which is at least what flowed.
 
 use crate::units::Instant;
 
 use super::Guard;
 
-/// The share of each limit that is used, the worst of all wires: 0 is rest, 1 the limit. What a guard without thermal
-/// rows does not know is 0.
+/// The used share of each limit, the worst of all wires: 0 is rest, 1 the limit. A guard without thermal rows has 0
+/// in the rows of heat.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Used {
     /// Width of the pulses that are on.
@@ -17,9 +17,9 @@ pub struct Used {
     pub burst: f64,
     /// Energy of that burst.
     pub burst_energy: f64,
-    /// What both windows of a wire's mean power let it spend at once.
+    /// Energy that both windows of a wire's mean power let it spend at once.
     pub wire_power: f64,
-    /// The same of the fingertip.
+    /// Energy that both windows of the fingertip's mean power let it spend at once.
     pub fingertip_power: f64,
     /// Current of all wires that are on.
     pub supply: f64,
@@ -36,7 +36,7 @@ pub struct Used {
 }
 
 impl Used {
-    /// Every row: its key as in a file of limits, in short, and its share. In the order of the guard's table.
+    /// Every row in the order of the guard's table: its key in a file of limits, in short, and its share.
     pub const fn rows(&self) -> [(&'static str, f64); 11] {
         [
             ("pulse", self.pulse),
@@ -54,7 +54,7 @@ impl Used {
     }
 }
 
-/// A part of a limit; of a limit that allows nothing, nothing is none of it and anything all.
+/// A part of a limit. A limit that allows nothing is unused at zero, and used up by anything.
 fn share(part: u64, limit: u64) -> f64 {
     match limit {
         0 => f64::from(u8::from(part > 0)),
@@ -63,7 +63,7 @@ fn share(part: u64, limit: u64) -> f64 {
 }
 
 impl Guard {
-    /// The share of each limit that is used at `now`. Heat counts from its onset: a burst that goes on is in it whole.
+    /// The used share of each limit at `now`. Heat counts from its onset: a burst that goes on is in it whole.
     pub fn used(&self, now: Instant) -> Used {
         let mut used = Used {
             fingertip_power: self.fingertip.used_at(now),

@@ -2,7 +2,7 @@
 
 use crate::units::{Duration, Instant};
 
-/// Why everything was switched off.
+/// Causes for which everything is switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.word())]
 #[non_exhaustive]
@@ -26,7 +26,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// The word that stands in a schedule file.
+    /// The cause's word in a schedule file.
     pub const fn word(self) -> &'static str {
         match self {
             Self::StaleInput => "stale-input",
@@ -39,7 +39,7 @@ impl Cause {
         }
     }
 
-    /// The cause to keep of this one and one that came later: this, but for a failed bus that became an overrun.
+    /// The cause to keep of this one and a later one: this one, except that an overrun replaces a failed bus.
     #[must_use]
     pub(crate) const fn followed_by(self, later: Self) -> Self {
         match (self, later) {
@@ -62,7 +62,8 @@ pub(super) struct Watchdog {
 }
 
 impl Watchdog {
-    /// Outputs are off within `stale`, `latency` of which the switching takes; at least half is for waiting.
+    /// The watchdog of outputs that are off within `stale`. The switching takes `latency` of it, and at least half is
+    /// for waiting.
     pub(super) fn new(stale: Duration, latency: Duration) -> Self {
         let (stale, latency) = (stale.as_micros(), latency.as_micros());
         Self {
@@ -73,22 +74,22 @@ impl Watchdog {
         }
     }
 
-    /// A sensor frame was received. Its time counts, not what it says: repeated rows are normal.
+    /// Notes that a sensor frame was received. Its time counts, not its content: repeated rows are normal.
     pub(super) fn hear(&mut self, at: Instant) {
         self.heard = self.heard.max(Some(at));
     }
 
-    /// When the newest frame was received.
+    /// Time at which the newest frame was received.
     pub(super) const fn heard(&self) -> Option<Instant> {
         self.heard
     }
 
-    /// Whether the newest frame is too old, or there is none.
+    /// Returns true if the newest frame is too old or none has come.
     pub(super) fn is_stale(&self, now: Instant) -> bool {
         self.heard.is_none_or(|at| now.since(at) >= self.patience)
     }
 
-    /// When sensor input gets too old.
+    /// Time at which sensor input gets too old.
     pub(super) fn deadline(&self) -> Instant {
         self.heard.map_or(Instant::ZERO, |at| at + self.patience)
     }
@@ -104,7 +105,7 @@ impl Watchdog {
         }
     }
 
-    /// Keeps everything off from now on, for a cause that does not come first.
+    /// Keeps everything off from now on, for a cause that another place has found.
     pub(super) fn latch(&mut self, cause: Cause) {
         let first = self.latched.unwrap_or(cause);
         self.latched = Some(first.followed_by(cause));
@@ -114,7 +115,7 @@ impl Watchdog {
         self.latched
     }
 
-    /// Whether frames come and the loop runs.
+    /// Checks that frames come and that the loop runs.
     pub(super) fn ready(&self, now: Instant) -> Result<(), Cause> {
         if self.is_stale(now) {
             Err(Cause::StaleInput)

@@ -29,7 +29,7 @@ pub struct Display {
     surface: Surface,
 }
 
-/// Why an arrangement of wires is no display.
+/// Reasons for which an arrangement of wires is no display.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DisplayError {

@@ -1,4 +1,4 @@
-//! From activation to duty: intensity levels, the person's calibration, (5.1).
+//! Duty from activation: intensity levels, the person's calibration, (5.1).
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -17,7 +17,7 @@ pub enum Steps {
     Weber(f32),
 }
 
-/// From activation to duty, (5.1) with intensity: `A = alpha + beta g a` for a > 0, else off.
+/// Duty from activation, (5.1) with intensity: `A = alpha + beta g a` for a > 0, else off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Duty offset, a fraction of a period; raises only wires that are active.
@@ -77,7 +77,7 @@ pub struct Calibration {
     wires: Box<[(f32, f32)]>,
 }
 
-/// Why a calibration is refused.
+/// Reasons for which a calibration is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {

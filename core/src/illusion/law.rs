@@ -19,7 +19,7 @@ pub trait Illusion: fmt::Debug + Send + Sync {
     }
 }
 
-/// Why a law does not fit a display, or its settings a law.
+/// Reasons for which a law does not fit a display, or its settings a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IllusionError {
     /// A display of one wire, which has no place between wires.

@@ -51,7 +51,7 @@ pub struct Map {
     offset: (f32, f32),
 }
 
-/// Why there is no map.
+/// Reasons for which there is no map.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {

@@ -9,8 +9,8 @@ use crate::units::{Duration, Point};
 use super::law::Illusion;
 
 listed! {
-    /// How contacts share wires. Whatever the rule, a wire stays within [0, 1] and the energy of all wires
-    /// within the sum of what each contact alone would have.
+    /// Rules by which contacts share wires. Every rule keeps a wire within [0, 1] and the energy of all wires within
+    /// the sum of what each contact alone would have.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Sharing: name {
         /// A wire follows the contact that asks most of it.

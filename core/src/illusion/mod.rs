@@ -1,5 +1,6 @@
-//! From a contact on the sensor to activations of wires (thesis chapter 5): the sensor-to-display map, the
-//! display's geometry, the laws behind one trait, several contacts, intensity, timing and known strokes.
+//! Illusions: contacts on the sensor become activations of wires (thesis chapter 5). The module holds the
+//! sensor-to-display map, the display's geometry, the laws behind one trait, several contacts, intensity, timing and
+//! known strokes.
 
 mod cells;
 mod display;

@@ -27,7 +27,7 @@ listed! {
         Square = "square",
         /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
         Balanced = "balanced",
-        /// What both centroids feel at the contact, by amplitudes and numbers of pulses within what heat allows.
+        /// Puts both felt centroids at the contact, by amplitudes and numbers of pulses within the limits of heat.
         #[default]
         Inverse = "inverse",
         /// Three nearest wires by inverse distance (Park 2016).

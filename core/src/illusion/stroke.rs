@@ -85,7 +85,7 @@ impl Planned {
     }
 }
 
-/// Why there is no plan.
+/// Reasons for which there is no plan of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StrokeError {

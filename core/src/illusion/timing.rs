@@ -63,7 +63,7 @@ pub(super) const fn duration_tactile_brush(soa: Duration) -> Duration {
     Duration::from_micros(soa.as_micros().saturating_sub(47_300).saturating_mul(100) / 32)
 }
 
-/// Why a timing is refused.
+/// Reasons for which a timing is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimingError {

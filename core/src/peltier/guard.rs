@@ -48,7 +48,7 @@ const KEPT: usize = 11;
 /// A sensor must have been good for so long before a current flows again.
 const GOOD_FOR: Duration = Duration::from_millis(1000);
 
-/// Why a current is not the one asked for.
+/// Reasons for which a current is not the one asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum PeltierReason {

@@ -57,7 +57,7 @@ pub struct Regulated {
     pub face_c: Option<f64>,
     /// Temperature that the control aims at now, degrees C; `None` without an aim.
     pub aim_c: Option<f64>,
-    /// Why the current is not the one that the control asked for.
+    /// The reason for which the current is not the one that the control asked for.
     pub reason: Option<PeltierReason>,
 }
 
@@ -86,8 +86,8 @@ impl Regulator {
         self.turned.map_or(Instant::ZERO, |at| at + PERIOD)
     }
 
-    /// The warmest that the face can be now, degrees C, as far as the thermistor's lag and error go. Where no sensor tells
-    /// it nothing flows, and it is what it was last, or what a sink at its limit makes of it.
+    /// The warmest that the face can be now, degrees C, by the bounds of the thermistor's lag and error. Without a
+    /// working sensor no current flows, and the face counts as warm as it last was, or as a sink at its limit makes it.
     pub fn warmest_c(&self) -> f64 {
         self.guard.warmest_c()
     }
@@ -102,7 +102,7 @@ impl Regulator {
         self.guard.see(now, reading);
     }
 
-    /// A turn with what was seen last; without anything `wanted` it switches off.
+    /// Takes a turn with the last reading; without anything `wanted` it switches off.
     pub fn turn(&mut self, now: Instant, wanted: Option<Wanted>) -> Regulated {
         let passed_s = self.turned.map_or(PERIOD, |at| now.since(at)).as_secs_f64();
         self.turned = Some(now);

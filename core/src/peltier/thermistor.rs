@@ -1,4 +1,4 @@
-//! From a converter's code to a temperature, or to what is wrong with the sensor.
+//! Thermistors: a converter's code becomes a temperature, or the sensor's defect.
 
 use crate::physics::{Thermistor, ZERO_CELSIUS_K};
 
@@ -7,7 +7,7 @@ const OPEN_ABOVE: u16 = 3700;
 /// Codes below this are of none hotter than 80 degrees C: the leads touch.
 const SHORT_BELOW: u16 = 400;
 
-/// Why a thermistor tells no temperature.
+/// Reasons for which a thermistor tells no temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorFault {

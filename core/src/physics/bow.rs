@@ -1,44 +1,45 @@
-//! From a wire's length to the skin: a shallow bow between fixed ends, with tissue under it.
+//! Bow of a wire: its length moves the skin as a shallow bow between fixed ends, with tissue under it.
 //!
-//! A wire that grows by dL bows out by 2 L / (pi^2 s) dL if nothing holds it. Its own bending and the tissue do: what is
-//! left is the share of the bow's stiffness against stretching, K_g, in all stiffnesses. `ci/peers/run bow` holds the
+//! A wire that grows by dL bows out by 2 L / (pi^2 s) dL if nothing holds it. Its own bending and the tissue hold it:
+//! the bow keeps the share of its stiffness against stretching, K_g, in all stiffnesses. `ci/peers/run bow` holds the
 //! gain against a finite-difference beam.
 
 use core::f64::consts::PI;
 
 use super::{ParameterError, TissueParameters, WireParameters, check, not_negative, positive};
 
-/// How a wire's ends are held.
+/// Mountings of a wire's ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// They cannot turn: the shape is (s/2)(1 - cos 2 pi x/L).
+    /// Ends that cannot turn: the shape is (s/2)(1 - cos 2 pi x/L).
     Clamped,
-    /// They turn freely: the shape is s sin(pi x/L).
+    /// Ends that turn freely: the shape is s sin(pi x/L).
     Pinned,
-    /// They cannot turn, and the wire is pressed to its buckling load: bending resists no more.
+    /// Ends that cannot turn, with the wire pressed to its buckling load: bending resists no more.
     Buckled,
 }
 
-/// How a wire sits in the thimble.
+/// The seat of a wire in the thimble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mount {
     /// Height of the bow over the straight line between both ends, m \[A\]; stated range 20e-6 to 400e-6.
     pub sag_m: f64,
-    /// How the ends are held \[A\].
+    /// Mounting of the ends \[A\].
     pub ends: Ends,
     /// Force with which the wire lies on the skin at rest, N \[A\].
     pub preload_n: f64,
 }
 
 impl Mount {
-    /// Clamped, 1 mN, and a sag at which 75 um of wire have the gain 5 that the published range centres on.
+    /// The seat with clamped ends, 1 mN, and a sag at which 75 um of wire have the gain 5 that the published range
+    /// centres on.
     pub const DEFAULT: Self = Self {
         sag_m: 170e-6,
         ends: Ends::Clamped,
         preload_n: 1e-3,
     };
 
-    /// Whether every value is one the model can compute with.
+    /// Checks that the model can compute with every value.
     pub(super) fn check(&self, length_m: f64) -> Result<(), ParameterError> {
         positive("mount.sag_m", self.sag_m)?;
         check("mount.sag_m", self.sag_m <= length_m * DEEPEST)?;
@@ -49,13 +50,13 @@ impl Mount {
 /// Deepest bow that is still shallow, as a part of its length: there the excess length is a tenth.
 pub const DEEPEST: f64 = 0.2;
 
-/// What bow and tissue make of a change of length. Displacements are positive into the skin, which is where a wire over
-/// a convex finger goes as it shortens.
+/// Displacement that bow and tissue make of a change of length. It is positive into the skin, where a wire over a
+/// convex finger goes as it shortens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bow {
     /// Displacement of the skin over the wire's change of length, 1.
     pub gain: f64,
-    /// The same if there were no skin, 1.
+    /// Displacement of a free wire, without skin, over its change of length, 1.
     pub free_gain: f64,
     /// Force over displacement of the tissue under the whole wire, N/m.
     pub line_n_per_m: f64,
@@ -64,7 +65,7 @@ pub struct Bow {
 }
 
 impl Bow {
-    /// Of a wire on a finger, by its martensite's modulus.
+    /// The bow of a wire on a finger, by its martensite's modulus.
     ///
     /// # Errors
     /// A parameter that cannot be computed with.

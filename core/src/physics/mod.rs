@@ -1,9 +1,8 @@
-//! What wire and finger are made of: plain parameters and constants, no solver.
+//! Materials of wire and finger: plain parameters and constants, no solver.
 //!
 //! The emulators' model and the guard's predictor both start from these numbers and share no code
-//! beyond them. Each default says where it comes from: \[V\] a vendor's or a paper's figure, \[C\]
-//! computed from such, \[A\] assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in
-//! degrees Celsius.
+//! beyond them. Each default names its origin: \[V\] a vendor's or a paper's figure, \[C\] computed from such, \[A\]
+//! assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in degrees Celsius.
 
 mod bow;
 mod curve;
@@ -156,7 +155,7 @@ pub struct WireParameters {
     pub r_phase: Option<RPhase>,
     /// Strain.
     pub mechanics: Mechanics,
-    /// How it sits on the finger.
+    /// Seat of the wire on the finger.
     pub mount: Mount,
     /// Heat and cold that it went through.
     pub history: History,
@@ -231,7 +230,7 @@ impl WireParameters {
         12.0 * self.conductivity * section / self.length_m
     }
 
-    /// Whether every value is one the model can compute with. The ranges stated at the fields lie
+    /// Checks that the model can compute with every value. The ranges stated at the fields lie
     /// well inside.
     ///
     /// # Errors
@@ -319,7 +318,8 @@ pub struct TissueParameters {
 }
 
 impl TissueParameters {
-    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa over 60 um.
+    /// The finger with a contact of 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa
+    /// over 60 um.
     pub const DEFAULT: Self = Self {
         contact_h: 2000.0,
         contact_fraction: 0.5,
@@ -334,7 +334,7 @@ impl TissueParameters {
         contact_width_m: 60e-6,
     };
 
-    /// Whether every value is one the model can compute with.
+    /// Checks that the model can compute with every value.
     ///
     /// # Errors
     /// The name of the first parameter that is not finite or out of range.

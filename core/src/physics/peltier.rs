@@ -1,7 +1,7 @@
-//! A Peltier module under a fingertip, its sink and its thermistors: what both the emulated module and the guard of a
-//! real one are told. The solver is the emulator's, the bounds are the guard's.
+//! A Peltier module under a fingertip, its sink and its thermistors: the figures that both the emulated module and
+//! the guard of a real one are given. The solver is the emulator's, the bounds are the guard's.
 
-/// A Peltier module, what is mounted on it, and the skin on its face.
+/// A Peltier module, its mount, and the skin on its face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeltierParameters {
     /// Seebeck coefficient of all couples, V/K.
@@ -14,17 +14,17 @@ pub struct PeltierParameters {
     pub face_j_k: f64,
     /// Heat capacity of the sink, J/K.
     pub sink_j_k: f64,
-    /// From the sink to the air, K/W.
+    /// Thermal resistance from the sink to the air, K/W.
     pub sink_k_w: f64,
-    /// From the face to the body, through skin, W/K.
+    /// Thermal conductance from the face to the body, through skin, W/K.
     pub skin_w_k: f64,
     /// Time constant of a thermistor in face or sink, s.
     pub sensor_s: f64,
 }
 
 impl Default for PeltierParameters {
-    /// 10 x 10 mm with 17 couples, scaled from the vendor's CP1.0-127-06L (127 couples, 3 A, 15.4 V, 67 K) at 300 K. Heat
-    /// capacities, sink, skin and thermistors are assumed.
+    /// A module of 10 x 10 mm with 17 couples, scaled from the vendor's CP1.0-127-06L (127 couples, 3 A, 15.4 V, 67
+    /// K) at 300 K. Heat capacities, sink, skin and thermistors are assumed.
     fn default() -> Self {
         Self {
             seebeck_v_k: 6.87e-3,
@@ -46,7 +46,7 @@ pub struct Thermistor {
     pub nominal_ohm: f64,
     /// The constant B, K.
     pub beta_k: f64,
-    /// The resistor above it, Ohm.
+    /// The resistor above the thermistor, Ohm.
     pub series_ohm: f64,
 }
 

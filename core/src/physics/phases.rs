@@ -1,4 +1,4 @@
-//! Phases of a wire by temperature: where they stand, and the straight line that leads on from there.
+//! Phases of a wire by temperature: their present state, and the straight line that leads on from it.
 //!
 //! Between two events every fraction, the strain and the stress change evenly with the wire's temperature. An event is a
 //! band that begins or ends, a share's R phase that meets its austenite, a knot of the bow, or a turn of the temperature.
@@ -8,7 +8,7 @@ use super::{ParameterError, WireState, check};
 
 /// Distance at which two strains are the same; rounding is a hundredth of it.
 const SAME_STRAIN: f64 = 1e-15;
-/// Temperatures at which a history begins, degrees C: all of any wire is martensite, or austenite.
+/// Temperatures, degrees C, at which a history begins with all of any wire martensite, or austenite.
 const COLDEST_C: f64 = -273.15;
 const HOTTEST_C: f64 = 600.0;
 /// Largest temperature that is computed with, degrees C; a higher one counts as this.
@@ -86,7 +86,7 @@ struct Guess {
 /// Rates of all shares by a guess, and of their strain.
 #[derive(Default)]
 struct Turns {
-    /// Of each share the rate with theta_M, 1/K, and the change of `x` by a kelvin and by the share's own change.
+    /// Rates of each share: with theta_M, 1/K, and the change of `x` by a kelvin and by the share's own change.
     parts: [(f64, f64, f64); ALL],
     rho: f64,
     /// Shares whose R just meets their austenite.
@@ -289,8 +289,8 @@ impl Phases {
         [law.slope_m, law.slope_r].map(|slope| self.at_c - stress / slope)
     }
 
-    /// Slopes from here on for a temperature that goes `way`: those of the guess that proves true. The balance is monotone,
-    /// so that there is one.
+    /// Slopes from here on for a temperature that goes `way`: those of the guess that proves true. Exactly one does,
+    /// because the balance is monotone.
     fn lead_on(&mut self, law: &Law, way: f64) -> Slopes {
         let last = law.curve.pieces.len() - 1;
         let here = &law.curve.pieces[self.piece];
@@ -365,7 +365,7 @@ impl Phases {
         turns
     }
 
-    /// Computes slopes by a guess for a temperature that goes `way`, and by how much the guess is wrong.
+    /// Computes slopes by a guess for a temperature that goes `way`, and the error of the guess.
     fn slopes(&self, law: &Law, thetas: [f64; 2], way: f64, guess: &Guess) -> (Slopes, f64) {
         let (piece, turns) = (
             &law.curve.pieces[guess.piece],
@@ -412,7 +412,7 @@ impl Phases {
         (slopes, wrong)
     }
 
-    /// Sums up the slopes, and finds where they end.
+    /// Sums up the slopes, and finds their end.
     fn line(&self, law: &Law, up: bool) -> Line {
         let (slopes, piece) = (&self.slopes, &law.curve.pieces[self.piece]);
         let mut martensite = 0.0;
@@ -477,8 +477,8 @@ impl Ends {
         }
     }
 
-    /// Adds the begin or end of a play that stands at `p` and changes by `slope` with a kelvin, by its theta and that one's
-    /// slope.
+    /// Adds the beginning or end of a play that stands at `p` and changes by `slope` with a kelvin, by its theta and
+    /// the slope of that.
     fn play(&mut self, band: &Band, p: f64, slope: f64, (theta, theta_slope): (f64, f64)) {
         if slope.abs() > 0.0 {
             self.reach(p, -slope);

@@ -4,7 +4,7 @@ use super::{Observer, Projector};
 use crate::contact::{Contact, Levels};
 use crate::units::{Duration, Instant};
 
-/// Why contacts are none of this loop.
+/// Reasons for which contacts cannot belong to this loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ForeignContacts {

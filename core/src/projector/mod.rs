@@ -140,7 +140,7 @@ pub enum LoopError<S, A> {
     Actuator(A),
 }
 
-/// What went otherwise than asked when the reference was to be taken anew.
+/// Reasons for which the reference was not taken anew as asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RezeroError<A> {
     /// Something is in contact, or seems to be.
@@ -346,7 +346,7 @@ impl Projector {
         }
     }
 
-    /// As [`Output::settle`].
+    /// Calls [`Output::settle`].
     pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
         self.output.settle(at, observer)
     }
@@ -390,7 +390,7 @@ impl Projector {
         let (levels, top) = match &self.sensing.compressor().settings().levels {
             Levels::Off => (1, None),
             Levels::Table(table) => (table.values().len().try_into().unwrap_or(u16::MAX), None),
-            // As few as the frame's contacts: the strongest has the top one.
+            // A frame may have fewer contacts than levels; its strongest gets the top level.
             Levels::Dynamic(k) => (*k, ours().map(|c| c.level).max()),
         };
         let above = levels.saturating_sub(top.unwrap_or(levels));

@@ -130,7 +130,7 @@ impl Sensing {
         self.pipeline.sense.summary(now)
     }
 
-    /// Whether anything is in contact.
+    /// Returns true if anything is in contact.
     pub(super) fn is_touched(&self) -> bool {
         !self.pipeline.sense.relative().contacts().is_empty()
     }

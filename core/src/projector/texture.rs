@@ -47,7 +47,7 @@ pub struct TexturePlan {
     pub carrier: Carrier,
 }
 
-/// Why a texture does not fit its skin.
+/// Reasons for which a texture does not fit its skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {
@@ -163,8 +163,8 @@ impl Sampler {
             return;
         }
         self.last = scan.at();
-        // The network needs a window to know a surface: what is met is the one that was left, and what is met anew
-        // within a moment was never left.
+        // The network needs a window to know a surface. So the surface that is met counts as the one left last, and a
+        // touch that comes back within a moment as one touch.
         let is_met = touched && self.touched == 0 && scan.at().since(self.left) > SILENCE;
         let is_left = !touched && self.newest.is_some();
         if is_met || is_left {

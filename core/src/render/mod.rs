@@ -48,7 +48,7 @@ const FEW: u8 = 4;
 const CORRECTIONS: u32 = 3;
 
 listed! {
-    /// How a contact that is felt is rendered.
+    /// Styles in which a felt contact is rendered.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Style: name {
         /// A vibration: bursts of at least 30 ms.
@@ -63,7 +63,7 @@ listed! {
 }
 
 impl Style {
-    /// Whether a contact that rests or moves is rendered as taps.
+    /// Returns true if a contact that rests or moves is rendered as taps.
     const fn taps(self, rests: bool, pattern: &Pattern) -> bool {
         match self {
             Self::Smooth => false,
@@ -84,8 +84,8 @@ pub struct RenderSettings {
     pub pattern: Pattern,
     /// Felt amplitude of a pulse by its width.
     pub response: Response,
-    /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: what a contact of weight 1
-    /// shall have, and no more. [`Response::full`] where no level is asked for.
+    /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: the most that a contact of
+    /// weight 1 shall have. [`Response::full`] where no level is asked for.
     pub full: f32,
     /// Rule by which several contacts share wires.
     pub sharing: Sharing,

@@ -38,7 +38,7 @@ impl Reserve {
         (self.left_nj + filled).min(FULL_NJ)
     }
 
-    /// Takes what a burst at `at` is booked with, nJ.
+    /// Takes the booking of a burst at `at`, nJ.
     pub(super) fn spend(&mut self, at: Instant, energy_nj: u64) {
         self.left_nj = (self.left_nj(at) - energy_nj as f32).max(0.0);
         self.at = at;

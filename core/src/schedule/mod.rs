@@ -30,7 +30,7 @@ pub struct Stimulus {
 }
 
 listed! {
-    /// Why what was applied differs from what was requested.
+    /// Reasons for which the applied stimulus differs from the requested one.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     #[non_exhaustive]
     pub enum Reason: word {

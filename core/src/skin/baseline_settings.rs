@@ -1,26 +1,26 @@
-//! Settings of the baseline and why they are refused.
+//! Settings of the baseline and the reasons for which they are refused.
 
 use super::relative::Axes;
 use crate::units::Duration;
 
-/// How the contact threshold is found, raw counts.
+/// Rules that give the contact threshold, raw counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ThresholdRule {
     /// The largest |difference| of any chosen axis of any taxel in the first frame after the reference (4.3),
     /// plus a margin.
     Auto {
-        /// Added to it, counts.
+        /// Counts added to that value.
         margin: f32,
     },
-    /// Every taxel its own: `floor` and so many times its noise at rest, measured while the reference is made and
-    /// without the rows that merely repeat. One frame with an outlier cannot raise it for all.
+    /// A threshold for each taxel: `floor` and so many times its noise at rest, measured while the reference is made
+    /// and without the rows that merely repeat. One frame with an outlier cannot raise it for all.
     PerTaxel {
         /// Standard deviations (Euclidean over the chosen axes).
         sigmas: f32,
-        /// Added to them, counts: what is too faint to matter.
+        /// Counts added to them: fainter changes do not matter.
         floor: f32,
     },
-    /// As given.
+    /// A threshold given in counts.
     Fixed {
         /// The threshold, counts.
         counts: f32,
@@ -40,14 +40,15 @@ pub struct BaselineSettings {
     pub threshold: ThresholdRule,
     /// The axes that count for threshold, contact and intensity.
     pub axes: Axes,
-    /// Makes the reference a state: it has to be found at rest, follows the drift of untouched taxels with this time
-    /// constant, and a taxel is let go below a lower limit than its threshold. `None` keeps the reference and one
-    /// threshold as they were found.
+    /// Time constant with which the reference follows the drift of untouched taxels. With it the reference is a
+    /// state: it has to be found at rest, and a taxel is let go below a lower limit than its threshold. `None` keeps
+    /// the reference and one threshold as they were found.
     pub drift: Option<Duration>,
 }
 
 impl Default for BaselineSettings {
-    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes, no drift following: the thesis.
+    /// Settings of the thesis: 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes, no drift
+    /// following.
     fn default() -> Self {
         Self {
             reference_frames: 10,
@@ -59,11 +60,11 @@ impl Default for BaselineSettings {
     }
 }
 
-/// Why settings are refused.
+/// Reasons for which settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BaselineError {
-    /// T = 0.
+    /// A reference of no frames, T = 0.
     #[error("the reference needs at least one frame")]
     NoReference,
     /// A number of deviations that is not positive and finite.
@@ -78,7 +79,7 @@ pub enum BaselineError {
 }
 
 impl BaselineSettings {
-    /// Counts and standard deviations of the threshold, once all is as it has to be.
+    /// Counts and standard deviations of the threshold, once every setting is checked.
     pub(super) fn checked(&self) -> Result<(f32, f32), BaselineError> {
         if self.reference_frames == 0 {
             return Err(BaselineError::NoReference);

@@ -1,6 +1,6 @@
-//! Where the taxels are: modules, grids, scattered points, and which board sends them.
+//! Places of the taxels: modules, grids, scattered points, and the boards that send them.
 //!
-//! Built from plain data and checked once, so that nothing downstream meets a duplicate, a NaN or an empty
+//! A layout is built from plain data and checked once, so that no later stage meets a duplicate, a NaN or an empty
 //! module. Files and their syntax belong to `hil`.
 
 use alloc::string::String;
@@ -38,7 +38,7 @@ impl Grid {
     }
 }
 
-/// Which board sends a module's readings.
+/// The board that sends a module's readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Address {
     /// The sensor bus, zero-based.
@@ -47,13 +47,14 @@ pub struct Address {
     pub board: u8,
 }
 
-/// How a module's board puts its readings on the bus.
+/// Protocols by which a module's board puts its readings on the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Protocol {
-    /// [`crate::codec::uskin`]: one frame per taxel, as its [`Wiring`] says; waits for a command.
+    /// Frames of [`crate::codec::uskin`]: one per taxel, by its [`Wiring`]; the board waits for a command.
     #[default]
     Uskin,
-    /// [`crate::codec::mtb`]: two frames per triangle of twelve taxels, triangles by index; sends by itself.
+    /// Frames of [`crate::codec::mtb`]: two per triangle of twelve taxels, triangles by index; the board sends by
+    /// itself.
     Mtb,
 }
 
@@ -77,7 +78,7 @@ impl Module {
         Self::grid_xy(name, rows, cols, pitch, pitch)
     }
 
-    /// As [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
+    /// Lays out a [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
     pub(crate) fn grid_xy(
         name: &str,
         rows: u16,
@@ -106,7 +107,7 @@ impl Module {
         Self::checked(name, points, Some(grid))
     }
 
-    /// Taxels anywhere, mm, three axes, all active, at the skin's origin.
+    /// Taxels at any places, mm, three axes, all active, at the skin's origin.
     pub fn scattered(name: &str, points: &[Point]) -> Result<Self, LayoutError> {
         if points.len() > MOST_TAXELS {
             return Err(LayoutError::TooManyTaxels {
@@ -170,7 +171,7 @@ impl Module {
         Ok(self)
     }
 
-    /// Says which board sends this module.
+    /// Sets the board that sends this module.
     pub fn with_address(mut self, address: Address) -> Result<Self, LayoutError> {
         if address.board > 15 {
             return Err(LayoutError::BadBoard {
@@ -181,7 +182,7 @@ impl Module {
         Ok(self)
     }
 
-    /// Says how its board speaks.
+    /// Sets the protocol of its board.
     pub const fn with_protocol(mut self, protocol: Protocol) -> Self {
         self.protocol = protocol;
         self
@@ -195,11 +196,11 @@ impl Module {
     pub fn points(&self) -> &[Point] {
         &self.points
     }
-    /// Which taxels are read.
+    /// Flags of the taxels that are read.
     pub fn active(&self) -> &[bool] {
         &self.active
     }
-    /// 1 or 3.
+    /// Number of axes, 1 or 3.
     pub fn axes(&self) -> u8 {
         self.axes
     }
@@ -211,8 +212,8 @@ impl Module {
     pub fn origin(&self) -> Point {
         self.origin
     }
-    /// How the taxels hang on their uSkin board: a grid row by row, scattered ones in lines of four. `None` for
-    /// a skin no such board can carry (triangles, cameras, whole bodies).
+    /// The lines by which the taxels hang on their uSkin board: a grid row by row, scattered ones in lines of four.
+    /// `None` for a skin no such board can carry (triangles, cameras, whole bodies).
     pub fn wiring(&self) -> Option<Wiring> {
         if self.protocol != Protocol::Uskin {
             return None;
@@ -235,7 +236,7 @@ impl Module {
         }
     }
 
-    /// How its board speaks, if it has one.
+    /// Protocol of the module's board, if it has one.
     pub const fn protocol(&self) -> Protocol {
         self.protocol
     }
@@ -328,7 +329,7 @@ impl Layout {
     pub fn taxels(&self) -> usize {
         self.starts.last().map_or(0, |&n| n as usize)
     }
-    /// Where each module's taxels start in the running index; one entry more than modules.
+    /// First taxel of each module in the running index; one entry more than modules.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }

@@ -1,9 +1,9 @@
-//! Why a layout is refused: the messages say what was expected.
+//! Reasons for which a layout is refused: the messages state what was expected.
 
 pub(super) const MOST_TAXELS: usize = 1 << 22;
 pub(super) const MOST_MODULES: usize = 4096;
 
-/// Why a layout is refused.
+/// Reasons for which a layout is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LayoutError {
@@ -13,7 +13,7 @@ pub enum LayoutError {
     /// More than 4096 modules.
     #[error("{count} modules, at most {MOST_MODULES}")]
     TooManyModules {
-        /// How many there were.
+        /// Number of modules given.
         count: usize,
     },
     /// A module without taxels.
@@ -22,7 +22,7 @@ pub enum LayoutError {
     /// More than 2^22 taxels.
     #[error("{count} taxels, at most {MOST_TAXELS}")]
     TooManyTaxels {
-        /// How many there were.
+        /// Number of taxels given.
         count: usize,
     },
     /// No taxel of any module is active.
@@ -66,7 +66,7 @@ pub enum LayoutError {
     /// The list of active taxels has another length than the module.
     #[error("{got} active flags for {expected} taxels")]
     MaskLength {
-        /// Its length.
+        /// Length of the mask given.
         got: usize,
         /// The module's number of taxels.
         expected: usize,

@@ -1,6 +1,6 @@
 //! The skin as numbers: layouts, scans, the baseline, the relative frame and taxel health.
 //!
-//! What belongs here is everything between a taxel reading and the list of taxels in contact. Clustering is
+//! The module holds everything between a taxel reading and the list of taxels in contact. Clustering is
 //! [`crate::contact`]'s; bytes on a bus are [`crate::codec`]'s; layout files are `hil`'s.
 //!
 //! `SkinSource -> ModuleScan -> Scan -> Baseline -> RelativeFrame`, with [`health::Monitor`] beside it.

@@ -1,5 +1,5 @@
-//! The reference frame of (4.1), taxel by taxel: how it is collected, how noisy a taxel is at rest, and how the
-//! reference follows slow drift afterwards.
+//! The reference frame of (4.1), taxel by taxel: its collection, the noise of a taxel at rest, and the slow drift
+//! that the reference follows afterwards.
 
 use alloc::vec::Vec;
 
@@ -7,14 +7,15 @@ use super::scan::Scan;
 use crate::statistics::quantile;
 use crate::vector::Vectors;
 
-/// A taxel noisier than this many times the median was touched or is ill; it counts as this noisy.
+/// Largest noise over the median: a noisier taxel was touched or is ill, and counts as this noisy.
 const NOISIEST: f32 = 4.0;
 
-/// What a taxel at rest may go from its first reading, and its mean from one half to the next, in deviations of noise.
+/// Most by which a taxel at rest may leave its first reading, and its mean drift from one half to the next, in
+/// deviations of noise.
 const CALM_SIGMAS: f64 = 8.0;
 const SLOPE_SIGMAS: f64 = 3.0;
 
-/// What was collected of a taxel halfway.
+/// Sums of a taxel at the middle of the collection.
 #[derive(Clone, Copy, Debug, Default)]
 struct Half {
     first: [u16; 3],
@@ -24,7 +25,7 @@ struct Half {
     steps: (u64, u32),
 }
 
-/// Reference and noise of every taxel. The axes are those chosen; the others stay 0.
+/// Reference and noise of every taxel along the chosen axes; the others stay 0.
 #[derive(Clone, Debug)]
 pub(super) struct Reference {
     axes: [bool; 3],
@@ -36,9 +37,10 @@ pub(super) struct Reference {
     sums: Vec<[u64; 3]>,
     seen: Vec<u32>,
     last: Vec<[u16; 3]>,
-    /// The first half of what was collected, and how far the readings went from the first on any chosen axis.
+    /// Sums of the first half of the collection, and the furthest distance of a reading from the first on any chosen
+    /// axis.
     halves: Vec<Half>,
-    /// Squared steps from one distinct reading to the next, all chosen axes, and how many.
+    /// Squared steps from one distinct reading to the next over all chosen axes, and their number.
     steps: Vec<(u64, u32)>,
 }
 
@@ -98,7 +100,7 @@ impl Reference {
     /// Takes a reading at rest for the noise alone.
     pub(super) fn hear(&mut self, taxel: usize, counts: [u16; 3]) {
         // Half the mean squared step is the variance, whatever slow drift there is (von Neumann 1941).
-        // Rows that merely repeat say nothing about noise.
+        // Rows that merely repeat carry no noise.
         if counts != self.last[taxel] {
             let axes = counts.iter().zip(self.last[taxel]).zip(self.axes);
             let chosen = axes.filter(|(_, chosen)| *chosen);
@@ -109,7 +111,7 @@ impl Reference {
         self.last[taxel] = counts;
     }
 
-    /// Says that half of what is collected of these taxels is there.
+    /// Marks the first half of the collection of these taxels as complete.
     pub(super) fn halve(&mut self, range: core::ops::Range<usize>) {
         for i in range {
             let half = &mut self.halves[i];
@@ -117,8 +119,8 @@ impl Reference {
         }
     }
 
-    /// Whether a taxel moved by more than noise and `most` counts while the reference was collected. A step makes one half
-    /// noisy, a slope both alike and their means different.
+    /// Returns true if a taxel moved by more than noise and `most` counts while the reference was collected. A step
+    /// makes one half noisy; a slope makes both halves alike and their means different.
     pub(super) fn moved(&self, taxel: usize, most: f32) -> bool {
         let (half, sums) = (&self.halves[taxel], &self.sums[taxel]);
         let (square, n) = self.steps[taxel];
@@ -142,7 +144,7 @@ impl Reference {
         })
     }
 
-    /// Makes the reference of these taxels: the mean of what was collected.
+    /// Makes the reference of these taxels: the mean of their collected readings.
     pub(super) fn finish(&mut self, range: core::ops::Range<usize>) {
         for i in range {
             for axis in 0..3 {
@@ -154,7 +156,7 @@ impl Reference {
         }
     }
 
-    /// Whether a taxel was received while the reference was collected.
+    /// Returns true if a taxel was received while the reference was collected.
     pub(super) fn knows(&self, taxel: usize) -> bool {
         self.seen[taxel] > 0
     }

@@ -1,6 +1,6 @@
-//! The relative frame (4.2): how far every taxel is from its reference, and which taxels are in contact.
+//! The relative frame (4.2): the distance of every taxel from its reference, and the taxels in contact.
 //!
-//! Always finite: the only ways in check their input and name the place of what they refuse.
+//! The frame is always finite: the only ways in check their input and name the place of what they refuse.
 
 use alloc::vec::Vec;
 use core::array::from_fn;
@@ -21,7 +21,7 @@ impl Axes {
     /// The normal axis only.
     pub const Z: Self = Self([false, false, true]);
 
-    /// Any choice; `None` if it is empty.
+    /// Axes of any choice; `None` if it is empty.
     pub const fn new(x: bool, y: bool, z: bool) -> Option<Self> {
         if x || y || z {
             Some(Self([x, y, z]))
@@ -30,13 +30,13 @@ impl Axes {
         }
     }
 
-    /// Whether each of x, y, z is chosen.
+    /// Flags of the chosen axes x, y, z.
     pub const fn flags(self) -> [bool; 3] {
         self.0
     }
 }
 
-/// Why a relative frame is refused.
+/// Reasons for which a relative frame is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -45,13 +45,13 @@ pub enum FrameError {
     NotFinite {
         /// Taxel, running index.
         taxel: usize,
-        /// 0, 1, 2 for x, y, z.
+        /// Number of the axis: 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// A threshold that is NaN, infinite or negative.
     #[error("the threshold must be finite and not negative")]
     BadThreshold,
-    /// Another number of taxels than the layout, or another layout.
+    /// Readings of another layout, or of another number of taxels.
     #[error("a frame of {got} taxels for a layout of {expected}")]
     OtherLayout {
         /// Taxels given.
@@ -69,12 +69,12 @@ const LARGEST: f32 = 1e9;
 pub struct RelativeFrame {
     starts: Vec<u32>,
     pub(super) axes: [Vec<f32>; 3],
-    /// The raw counts it was made from, and when they were read.
+    /// Raw counts that the frame was made from, and the time at which they were read.
     pub(super) counts: Vec<[u16; 3]>,
     pub(super) at: Instant,
-    /// Whether it was made from those counts with the taxels now left out.
+    /// True if the frame was made from those counts with the taxels now left out.
     pub(super) made: bool,
-    /// What was measured, taxel by taxel: |difference| along every axis.
+    /// Measured values, taxel by taxel: |difference| along every axis.
     pub(super) measured: Vec<[f32; 3]>,
     vectors: Vectors,
     magnitude: Vec<f32>,
@@ -107,7 +107,8 @@ impl RelativeFrame {
     /// count as 0. For callers with their own reference; [`super::Baseline`] does it from raw counts.
     ///
     /// # Errors
-    /// Wrong length, a value that is no finite number, a bad threshold; the frame is as before then.
+    /// [`FrameError`] for a wrong length, a value that is no finite number, or a bad threshold; the frame is
+    /// unchanged then.
     pub fn load(
         &mut self,
         differences: &[[f32; 3]],
@@ -131,7 +132,7 @@ impl RelativeFrame {
             }
         }
         for (measured, d) in self.measured.iter_mut().zip(differences) {
-            // What is not chosen may be no number.
+            // An axis that is not chosen may hold no number.
             *measured = from_fn(|a| if flags[a] { libm::fabsf(d[a]) } else { 0.0 });
         }
         self.made = false;
@@ -140,7 +141,7 @@ impl RelativeFrame {
         Ok(())
     }
 
-    /// Nothing differs and nothing is in contact.
+    /// Clears the frame: nothing differs and nothing is in contact.
     pub(super) fn clear(&mut self) {
         self.made = false;
         self.axes.iter_mut().for_each(|axis| axis.fill(0.0));
@@ -148,12 +149,12 @@ impl RelativeFrame {
         self.find_contacts(repeat(0.0));
     }
 
-    /// Whether it has the counts of this scan.
+    /// Returns true if the frame has the counts of this scan.
     pub(super) fn is_of(&self, scan: &super::Scan) -> bool {
         self.counts.as_flattened() == scan.counts().as_flattened()
     }
 
-    /// What was measured, by axis, and its magnitude; the axes not chosen count as 0.
+    /// Spreads the measured values by axis, with their magnitude; the axes not chosen count as 0.
     pub(super) fn spread(&mut self, axes: Axes) {
         let [x, y, z] = &mut self.axes;
         let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..]);
@@ -225,20 +226,20 @@ impl RelativeFrame {
         }
     }
 
-    /// |difference| along x, y, z (0..3), counts; 0 where not chosen.
+    /// Differences along x, y, z (0..3), counts, without sign; 0 where the axis is not chosen.
     pub fn axis(&self, axis: usize) -> &[f32] {
         self.axes.get(axis).map_or(&[], Vec::as_slice)
     }
-    /// The raw counts along x, y, z that it was made from; zeros where it was not made from any.
+    /// Raw counts along x, y, z that the frame was made from; zeros where it was made from none.
     pub fn counts(&self) -> &[[u16; 3]] {
         &self.counts
     }
 
-    /// Euclidean norm over the chosen axes, counts.
+    /// Euclidean norms over the chosen axes, counts.
     pub fn magnitude(&self) -> &[f32] {
         &self.magnitude
     }
-    /// Which taxels are used.
+    /// Flags of the taxels that are used.
     pub fn usable(&self) -> &[bool] {
         &self.usable
     }
@@ -263,7 +264,7 @@ impl RelativeFrame {
             _ => 0..0,
         }
     }
-    /// As [`Layout::starts`].
+    /// First taxel of each module, like [`Layout::starts`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
@@ -277,7 +278,7 @@ fn spread(
     [x, y, z]: [&mut [f32]; 3],
     squares: &mut [f32],
 ) {
-    // A loop over any number is made for many: a module's few taxels would come one at a time.
+    // Compilers make a loop over any number for many taxels: a module's few would come one at a time.
     const FEW: usize = 8;
     if measured.len() > 4 * FEW {
         return several(measured, factor, [x, y, z], squares);
@@ -294,7 +295,7 @@ fn spread(
     several(rest, factor, [last_x, last_y, last_z], last_squares);
 }
 
-/// As [`spread`].
+/// Spreads several taxels at once, like [`spread`].
 #[inline(always)]
 fn several(
     measured: &[[f32; 3]],

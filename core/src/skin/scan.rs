@@ -43,7 +43,7 @@ impl Scan {
     /// Takes a whole frame at once (a row of a recording); every taxel is then fresh.
     ///
     /// # Errors
-    /// Another number of taxels; nothing has changed then.
+    /// [`WrongLength`] for another number of taxels; nothing has changed then.
     pub fn load(&mut self, at: Instant, counts: &[[u16; 3]]) -> Result<(), WrongLength> {
         if counts.len() != self.counts.len() {
             return Err(WrongLength {
@@ -62,7 +62,7 @@ impl Scan {
     /// Takes one module's scan. The skin is as old as its newest reading.
     ///
     /// # Errors
-    /// A scan that is not of this layout; nothing has changed then.
+    /// [`ScanError`] for a scan that is not of this layout; nothing has changed then.
     pub fn merge(&mut self, layout: &Layout, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
         let (module, modules) = (scan.module, layout.modules().len());
         if usize::from(module) >= modules {
@@ -83,7 +83,7 @@ impl Scan {
         }
         let counts = &mut self.counts[range.clone()];
         let (seen, fresh) = (&mut self.seen[range.clone()], &mut self.fresh[range]);
-        // Mostly everything is there: one copy then, without a branch per taxel.
+        // Most scans are whole: one copy then, without a branch per taxel.
         let partial = scan
             .fresh
             .filter(|f| !f.iter().fold(true, |all, fresh| all & fresh));
@@ -109,12 +109,12 @@ impl Scan {
         Ok(())
     }
 
-    /// Whether every taxel of a module was in its newest scan.
+    /// Returns true if every taxel of a module was in its newest scan.
     pub(super) fn is_whole(&self, module: usize) -> bool {
         self.whole.get(module).is_some_and(|whole| *whole)
     }
 
-    /// When the newest reading in it was received.
+    /// Time at which the newest reading in it was received.
     pub fn at(&self) -> Instant {
         self.at
     }
@@ -122,11 +122,11 @@ impl Scan {
     pub fn counts(&self) -> &[[u16; 3]] {
         &self.counts
     }
-    /// Whether a taxel was ever received.
+    /// Flags of the taxels that were ever received.
     pub fn seen(&self) -> &[bool] {
         &self.seen
     }
-    /// Whether a taxel was received in its module's newest scan.
+    /// Flags of the taxels that were received in their module's newest scan.
     pub fn fresh(&self) -> &[bool] {
         &self.fresh
     }

@@ -1,7 +1,7 @@
 //! The door of the skin: scans of modules, from any sensor with any layout.
 //!
-//! Health is the projector's, since it serves every skin. What belongs to one kind of sensor (frames that are lost,
-//! boards that wait for a command) stays behind the door, as in [`super::uskin`].
+//! Health is the projector's, since it serves every skin. The matters of one kind of sensor (frames that are lost,
+//! boards that wait for a command) stay behind the door, as in [`super::uskin`].
 
 use core::convert::Infallible;
 
@@ -12,11 +12,11 @@ use crate::units::Instant;
 pub struct ModuleScan<'a> {
     /// Module, zero-based, in the order of the layout.
     pub module: u16,
-    /// When the newest of the readings was received.
+    /// Time at which the newest of the readings was received.
     pub at: Instant,
     /// Raw counts x, y, z of each of the module's taxels, active or not; a one-axis skin uses z.
     pub counts: &'a [[u16; 3]],
-    /// Which taxels were read, one flag per taxel; the others keep their last counts. `None` where all were.
+    /// Flags of the taxels that were read; the others keep their last counts. `None` where all were read.
     pub fresh: Option<&'a [bool]>,
 }
 
@@ -32,9 +32,9 @@ impl<'a> ModuleScan<'a> {
     }
 }
 
-/// A skin, as the loop reads it.
+/// Source of a skin's scans for the loop.
 pub trait SkinSource {
-    /// What can go wrong. The loop switches everything off for it.
+    /// Error of the source. The loop switches everything off for it.
     type Error: core::error::Error;
 
     /// Hands every scan that was complete by `now` to `take`, the oldest first. Never waits.
@@ -48,7 +48,7 @@ pub trait SkinSource {
     ) -> Result<(), Self::Error>;
 }
 
-/// A skin of which nothing comes, for readings that are pushed.
+/// A skin that sends nothing, for readings that are pushed.
 impl SkinSource for () {
     type Error = Infallible;
 
@@ -70,7 +70,7 @@ pub enum ScanError {
     NoSuchModule {
         /// The scan's module, zero-based.
         module: u16,
-        /// How many the layout has.
+        /// Number of modules in the layout.
         modules: usize,
     },
     /// The module has another number of taxels.
@@ -78,9 +78,9 @@ pub enum ScanError {
     Taxels {
         /// The scan's module, zero-based.
         module: u16,
-        /// How many counts, or flags, the scan has.
+        /// Number of counts, or flags, in the scan.
         got: usize,
-        /// How many taxels the module has.
+        /// Number of taxels in the module.
         expected: usize,
     },
 }

@@ -88,7 +88,7 @@ pub struct ControlMap {
     rate_mhz: Span<u32>,
 }
 
-/// Why a map is refused.
+/// Reasons for which a map is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlError {

@@ -1,4 +1,4 @@
-//! From control parameters to pulses: the Gaussian activation (3.1) as a probability per PWM period, and its two draws.
+//! Pulses from control parameters: the Gaussian activation (3.1) as a probability per PWM period, and its two draws.
 //!
 //! A stroke takes the interval T and begins again. The carrier's frequency stays: all channels of a PCA9685 share one,
 //! and changing it means sleep, 500 us and a restart, with tick lengths that the guard does not know. f_PWM is made of
@@ -34,7 +34,7 @@ pub struct Activation {
     interval: Duration,
 }
 
-/// Why constants are refused.
+/// Reasons for which constants are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ActivationError {

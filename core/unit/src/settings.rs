@@ -31,11 +31,11 @@ pub struct Settings<'a> {
     pub plant: Plant,
     /// The wire and finger of the guard's thermal rows; `None` where its processor bears none.
     pub worn: Option<WornWire>,
-    /// What sets the currents; `None` where amplifiers have one of their own.
+    /// Converters that set the currents; `None` where amplifiers have a current of their own.
     pub converters: Option<Converters<'a>>,
 }
 
-/// Why a unit cannot be built.
+/// Reasons for which a unit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {

@@ -1,5 +1,5 @@
-//! A Peltier module on the unit: its regulator and its guard run here, and what the face does to the wires is told to the
-//! wires' guard. A host only says what shall be felt.
+//! A Peltier module on the unit: its regulator and its guard run here, and tell the wires' guard the temperature of the
+//! face. A host only sends the wanted temperature.
 
 use core::convert::Infallible;
 

@@ -1,4 +1,4 @@
-//! The person: what is felt of the wires' motion, and how textures are rated.
+//! The person, who feels a part of the wires' motion and rates textures.
 
 pub mod channels;
 pub mod panel;

@@ -59,8 +59,8 @@ pub struct SkinArray {
 }
 
 impl SkinArray {
-    /// Modules that are scanned together `rate_hz` times per second from the start on; which scans are late or
-    /// lost hangs on `seed`.
+    /// Modules that are scanned together `rate_hz` times per second from the start on; `seed` decides which scans are
+    /// late or lost.
     pub fn new(modules: Vec<EmulatedModule>, rate_hz: f64, delivery: Delivery, seed: u64) -> Self {
         Self {
             modules,

@@ -16,8 +16,8 @@ use crate::time::Nanos;
 /// last one have not left. The real boards' answer is unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overload {
-    /// It skips the tick: the next scan starts at the first tick of its clock after the last frame
-    /// has left. Boards that tick together then share an overloaded bus evenly.
+    /// The board skips the tick: the next scan starts at the first tick of its clock after the last frame has left.
+    /// Boards that tick together then share an overloaded bus evenly.
     #[default]
     Wait,
     /// Every scan replaces what still waits; waiting frames go by identifier, as from mailboxes, so
@@ -72,7 +72,7 @@ impl BoardConfig {
     }
 }
 
-/// Why a board cannot be built.
+/// Reasons for which a board cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoardError {
     /// The address or a place of the wiring does not fit its field of an identifier.

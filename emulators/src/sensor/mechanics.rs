@@ -1,4 +1,4 @@
-//! From a touch to the counts it would add to a taxel, before noise: quasi-static.
+//! Counts that a touch would add to a taxel, before noise: quasi-static.
 //!
 //! A sphere pressed into silicone makes a Hertz contact; its pressure reaches the buried magnets
 //! through a layer that spreads it like a Gaussian. Convolved, that is close to one Gaussian whose

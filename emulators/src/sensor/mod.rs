@@ -1,4 +1,4 @@
-//! The sensor end: what a touch does to the counts of a module's taxels, the boards that send them, the CAN
+//! The sensor end: the counts that a touch makes of a module's taxels, the boards that send them, the CAN
 //! segment between boards and host, and surfaces to stroke.
 
 mod array;

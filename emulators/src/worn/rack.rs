@@ -15,13 +15,13 @@ pub struct Rack(Arc<Mutex<Shelf>>);
 #[derive(Debug)]
 struct Shelf {
     i2c: I2cHandle,
-    /// By chip and channel: the display on that output, and that display's own number of the chip.
+    /// The display on each output, and that display's own number of the chip; by chip and channel.
     owners: Vec<[Option<(usize, usize)>; 16]>,
-    /// By display: edges of its outputs that it has yet to take, with its own numbers of the chips.
+    /// Edges of its outputs that each display has yet to take, with its own numbers of the chips.
     waiting: Vec<Vec<(usize, Edge)>>,
-    /// By display: changes of converters' outputs that it has yet to take, with its own numbers of the chips.
+    /// Changes of converters' outputs that each display has yet to take, with its own numbers of the chips.
     levels: Vec<Vec<(usize, Level)>>,
-    /// By chip: the displays that hold its OE line cut.
+    /// Displays that hold each chip's OE line cut.
     cut_by: Vec<Vec<usize>>,
     /// Time that all chips have reached.
     now: Nanos,

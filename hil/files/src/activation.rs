@@ -1,4 +1,4 @@
-//! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
+//! Activation files: the control parameters on the wires that a texture's roughness becomes, (3.1) and (3.2).
 
 use palpate_core::projector::{Firmness, Taps};
 use palpate_core::texture::{Activation, ControlError, ControlMap, Drivers, Span};
@@ -14,9 +14,9 @@ use super::source::Source;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Both {
-    /// For the smoothest texture.
+    /// Value for the smoothest texture.
     pub smooth: f64,
-    /// For the roughest.
+    /// Value for the roughest texture.
     pub rough: f64,
 }
 
@@ -25,18 +25,18 @@ pub struct Both {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BothFirm {
-    /// For the softest surface.
+    /// Value for the softest surface.
     pub soft: f64,
-    /// For the hardest.
+    /// Value for the hardest surface.
     pub hard: f64,
 }
 
-/// What is felt where a surface is met and left.
+/// Taps that are felt where a surface is met and left.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TapFile {
-    /// Pulses per second, Hz; at most the carrier's are felt.
+    /// Pulses per second, Hz; rates above the carrier's are felt no faster.
     pub rate_hz: BothFirm,
     /// Width of the first pulse, a share of the widest that the guard allows.
     pub strength: BothFirm,
@@ -49,11 +49,11 @@ pub struct TapFile {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ActivationFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The activation, in a sentence.
     pub description: String,
-    /// What of it is neither published nor measured.
+    /// The values that are neither published nor measured.
     pub assumed: Option<String>,
     /// Offset alpha, a probability per PWM period.
     pub alpha: f64,
@@ -63,7 +63,7 @@ pub struct ActivationFile {
     pub interval_ms: f64,
     /// The mean mu of the first wire, ms.
     pub lead_ms: f64,
-    /// From one wire's mean to the next one's, ms.
+    /// Time from one wire's mean to the next one's, ms.
     pub delta_mu_ms: Both,
     /// Spread sigma, ms.
     pub sigma_ms: Both,
@@ -71,7 +71,7 @@ pub struct ActivationFile {
     pub rate_hz: Both,
     /// f_PWM within the bursts of a moving contact, Hz.
     pub burst_rate_hz: Both,
-    /// Hardness, where a surface is met and left; left out: it is not shown.
+    /// Taps of hardness, where a surface is met and left; left out: hardness is not shown.
     pub tap: Option<TapFile>,
 }
 
@@ -79,7 +79,7 @@ impl ActivationFile {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
@@ -111,13 +111,13 @@ impl ActivationFile {
         Ok(file)
     }
 
-    /// (3.1) with these constants; none only of a file that was not read by [`Self::read`].
+    /// Activation of (3.1) with these constants; none only for a file that was not read by [`Self::read`].
     pub fn activation(&self) -> Option<Activation> {
         let [lead, interval] = [self.lead_ms, self.interval_ms].map(millis);
         Activation::new(self.alpha, self.beta, lead, interval).ok()
     }
 
-    /// How hardness is felt, where it is.
+    /// Taps that carry hardness, if the activation has them.
     pub fn taps(&self) -> Option<Taps> {
         let tap = self.tap?;
         let rate = |hz: f64| (hz * 1e3).round() as u32;
@@ -134,7 +134,7 @@ impl ActivationFile {
         })
     }
 
-    /// (3.2) with these limits, for a model's driving coordinates.
+    /// Control map of (3.2) with these limits, for a model's driving coordinates.
     ///
     /// # Errors
     /// A driver without a range.
@@ -142,7 +142,7 @@ impl ActivationFile {
         self.with_rate(drivers, self.rate_hz)
     }
 
-    /// The same for the bursts of a moving contact.
+    /// The map for the bursts of a moving contact.
     ///
     /// # Errors
     /// A driver without a range.

@@ -1,4 +1,4 @@
-//! Names on a bus that more than one device would answer to.
+//! Names on a bus that more than one device would answer to, and their refusal.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -7,7 +7,7 @@ use palpate_core::codec::pca9685::{ALLCALL_ADDRESS, SUBADR_RESET};
 use super::error::FileError;
 use super::source::Source;
 
-/// Why a chip strapped to this I2C address would share it; `None` for an address that is its alone.
+/// The reason for which a chip strapped to this I2C address would share it; `None` for an address that is its alone.
 fn why_shared(address: u8) -> Option<&'static str> {
     let sub_calls = SUBADR_RESET.iter().take(3).map(|register| register >> 1);
     match address {
@@ -24,7 +24,7 @@ fn why_shared(address: u8) -> Option<&'static str> {
     }
 }
 
-/// A chip's I2C address must be its alone.
+/// Checks that a chip has its I2C address to itself.
 pub(super) fn check_chip(source: &Source, key: &str, address: u8) -> Result<(), FileError> {
     why_shared(address).map_or(Ok(()), |why| {
         let expected = format!(
@@ -34,7 +34,7 @@ pub(super) fn check_chip(source: &Source, key: &str, address: u8) -> Result<(), 
     })
 }
 
-/// Every bus must be listed once.
+/// Checks that every bus is listed once.
 pub(super) fn check_once<'a>(
     source: &Source,
     key: &str,
@@ -47,8 +47,8 @@ pub(super) fn check_once<'a>(
     })
 }
 
-/// Where a list of interfaces or adapters names one a second time, after the place of its first. Two devices with one
-/// address on such a pair would be one device, or answer together.
+/// Finds the first interface or adapter that a list names twice, after the place of its first mention. Two devices
+/// with one address on such a pair would be one device, or answer together.
 pub fn repeated_bus<'a>(names: impl Iterator<Item = &'a Path>) -> Option<(usize, usize)> {
     let names: Vec<PathBuf> = names.map(plain).collect();
     let before = |again: usize| names[..again].iter().position(|n| *n == names[again]);

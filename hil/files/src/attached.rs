@@ -1,4 +1,4 @@
-//! A setup from the texts that a recording has with it, and what options of the command line had put in place of them.
+//! A setup from the texts of a recording, with the changes that options of the command line made to them.
 
 use super::bench::Bench;
 use super::error::FileError;
@@ -11,7 +11,7 @@ use super::source::Source;
 use palpate_core::units::Duration;
 
 impl Setup {
-    /// What options put in place of values of scene and bench, as a text that [`Setup::attached`] takes; none where they
+    /// Changes that options made to scene and bench, as a text that [`Setup::attached`] takes; none where they
     /// changed nothing.
     #[must_use]
     pub fn changes(&self) -> Option<String> {
@@ -27,7 +27,7 @@ impl Setup {
     /// `scene.toml`. Textures are left out, since their tables are not with a recording.
     ///
     /// # Errors
-    /// A file that is not there, under `label`, and what cannot be in one.
+    /// A file that is missing, under `label`, and a value in one that is refused.
     pub fn attached(label: &str, text: impl Fn(&str) -> Option<String>) -> Result<Self, FileError> {
         let named = |name: &str| {
             let found = text(name).map(|text| Source::new(format!("{label}: {name}"), text));

@@ -1,4 +1,4 @@
-//! Benches: which hardware a scene runs on, and what drives its wires.
+//! Benches: the hardware that a scene runs on, and the drive of its wires.
 
 mod dac;
 mod displays;
@@ -26,11 +26,11 @@ settings! {
     /// A bench. A file states what differs from [`Bench::default`], and its name and description.
     #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
     pub struct Bench {
-        /// Lower case with hyphens.
+        /// Name, in lower case with hyphens.
         pub name: String,
-        /// What it is, in a sentence.
+        /// The bench, in a sentence.
         pub description: String,
-        /// What stands behind the buses.
+        /// The kind of thing behind the buses.
         pub kind: BenchKind = BenchKind::Emulated,
         /// The buses of a real bench.
         pub real: Option<Real>,
@@ -40,13 +40,14 @@ settings! {
         pub limits: String = "default".into(),
         /// The display's wires. A real bench states them.
         pub wire: BenchWire,
-        /// How the wires sit on the finger: what of their motion reaches it.
+        /// The seat of the wires on the finger: the part of their motion that reaches it.
         pub mount: BenchMount,
         /// The finger under them.
         pub tissue: BenchTissue,
-        /// What drives them.
+        /// The pulses and current that drive them.
         pub drive: Drive,
-        /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
+        /// The amplifiers that turn the chip's pulses into current; left out: instant, without loss, and never short
+        /// of voltage.
         pub amplifier: Amplifier,
         /// Converters that set the amplifiers' current; left out: it is fixed.
         pub dac: Option<BenchDac>,
@@ -67,20 +68,20 @@ settings! {
     default
 }
 
-/// What of a real bench is its hardware's to say: assumed values would make the guard's model of it wrong.
+/// Keys that a real bench must state: assumed values would make the guard's model of it wrong.
 const HARDWARE: [&str; 4] = [
     "wire.kind",
     "wire.alloy",
     "drive.current_ma",
     "drive.supply_limit_ma",
 ];
-/// The same of its only display. Of several each states its own.
+/// Keys that a real bench of one display must state. Of several displays each states its own.
 const DISPLAY: [&str; 2] = ["display", "outputs"];
 
-/// What is expected where a real bench leaves them out.
+/// Expectation where a real bench leaves them out.
 const STATED: &str = "a value: no default stands for a real bench's hardware";
 
-/// What stands behind the buses.
+/// Kinds of things behind the buses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
 #[serde(rename_all = "kebab-case")]
@@ -91,7 +92,7 @@ pub enum BenchKind {
     Real,
 }
 
-/// The buses of a real bench, and how it is watched.
+/// The buses of a real bench, and the watch over it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -102,16 +103,17 @@ pub struct Real {
     pub i2c: Vec<PathBuf>,
     /// The line that cuts all outputs, if one is wired.
     pub oe: Option<OutputEnable>,
-    /// A person or a machine touches the skin as the scenes say: `hil test` then runs scenes with touches.
+    /// True if a person or a machine touches the skin as the scenes state: `hil test` then runs scenes with touches.
     #[serde(default)]
     pub touch: bool,
     /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
     pub realtime: Option<bool>,
-    /// The guardian switches off when it has not heard from the loop for this long. A burst must still be within its limit then.
+    /// Silence of the loop after which the guardian switches off, milliseconds. A burst must still be within its
+    /// limit then.
     #[serde(default = "heartbeat_ms")]
     pub heartbeat_ms: u32,
-    /// A transfer that takes longer than this has failed: a backstop for adapters that know no limit of
-    /// their own. A burst must still be within its limit then.
+    /// Longest time of a transfer, milliseconds; one that takes longer has failed. It is a backstop for adapters
+    /// without a limit of their own. A burst must still be within its limit then.
     #[serde(default = "transfer_ms")]
     pub transfer_ms: u32,
 }
@@ -151,7 +153,7 @@ impl Real {
 }
 
 settings! {
-    /// A wire and what it is made of.
+    /// A wire and its alloy.
     #[derive(Eq)]
     pub struct BenchWire {
         /// A wire: a built-in name or a file.
@@ -165,16 +167,19 @@ settings! {
     /// Current, supply and PWM.
     #[derive(Copy)]
     pub struct Drive {
-        /// Current through a wire that is on; with `[dac]` the most that it can be set to. A real bench states it.
+        /// Current through a wire that is on, mA; with `[dac]` the most that it can be set to. A real bench states
+        /// it.
         pub current_ma: f64 = 990.0,
-        /// Most current the supply gives at any instant. A real bench states it.
+        /// Most current of the supply at any instant, mA. A real bench states it.
         pub supply_limit_ma: f64 = 4000.0, // at the published 1.97 A two wires may overlap, three may not
         /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
         /// illusion `inverse` and no texture, which choose their own.
         pub pwm_hz: Option<f64>,
-        /// Between onsets in milliseconds where the illusion is `inverse` and a scene says nothing; left out: 117.
+        /// Time between onsets in milliseconds where the illusion is `inverse` and a scene states none; left out:
+        /// 117.
         pub soa_ms: Option<f64>,
-        /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
+        /// Speed of the clock that counts, over its nominal frequency: the chip's oscillator, or `clock`. Emulated
+        /// benches only.
         pub oscillator: f64 = 1.0,
         /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
         pub clock: Option<ExternalClock>,
@@ -186,9 +191,9 @@ settings! {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ExternalClock {
-    /// Its nominal frequency, Hz.
+    /// Nominal frequency, Hz.
     pub hz: u32,
-    /// How far it may be from that at any time, parts per million.
+    /// Largest deviation from that at any time, parts per million.
     pub tolerance_ppm: u32,
 }
 
@@ -197,22 +202,22 @@ pub struct ExternalClock {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Amplifier {
-    /// From no current to all of it and back, microseconds.
+    /// Time from no current to all of it and back, microseconds.
     pub rise_us: f64,
     /// Resistance of a transistor that is on, Ohm.
     pub on_ohm: f64,
-    /// The supply's voltage without load; left out: it always suffices.
+    /// Voltage of the supply without load, V; left out: it always suffices.
     pub supply_v: Option<f64>,
-    /// Resistance of supply and leads: how far the voltage sags, Ohm.
+    /// Resistance of supply and leads, by which the voltage sags, Ohm.
     pub supply_ohm: f64,
 }
 
-/// Where a wire is connected.
+/// Connection of a wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// Which of a real bench's I2C adapters the chip is on, zero-based.
+    /// The I2C adapter of a real bench that the chip is on, zero-based.
     #[serde(default)]
     pub bus: u8,
     /// The chip's I2C address, 0x40 to 0x77 without 0x70, 0x71, 0x72 and 0x74, which several chips may answer.
@@ -222,7 +227,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Where wire `index` is connected if the file does not say: chips of sixteen outputs, one after the other.
+    /// Connection of wire `index` if the file states none: chips of sixteen outputs, one after the other.
     const fn nth(index: usize) -> Self {
         Self {
             bus: 0,
@@ -233,7 +238,7 @@ impl Output {
 }
 
 impl Drive {
-    /// Between onsets where a scene says nothing, in the core's unit.
+    /// Time between onsets where a scene states none, in the core's unit.
     pub fn soa(&self) -> Option<Duration> {
         let us = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
         self.soa_ms.map(us)
@@ -256,7 +261,7 @@ impl Drive {
         bounds!(source, "drive", self; soa_ms: 1.0..=10_000.0, "ms")?;
         let Some(clock) = self.clock else {
             return bounds!(source, "drive", self;
-                // What dividers 3 to 255 make of 25 MHz.
+                // These are the frequencies that dividers 3 to 255 make of 25 MHz.
                 pwm_hz: 24.0..=1526.0, "Hz";
                 oscillator: 0.8..=1.2);
         };
@@ -264,7 +269,7 @@ impl Drive {
             hz: 100_000..=Clock::MOST_HZ, "Hz";
             tolerance_ppm: 0..=Clock::MOST_PPM, "ppm")?;
         let divided = |by: f64| f64::from(clock.hz) / 4096.0 / by;
-        // A clock that is not what the bench says of it: the guard would count too few pulses.
+        // With a clock other than the bench states, the guard would count too few pulses.
         let off = f64::from(clock.tolerance_ppm) * 1e-6;
         bounds!(source, "drive", self;
             pwm_hz: divided(256.0)..=divided(4.0), "Hz";
@@ -273,7 +278,7 @@ impl Drive {
 }
 
 impl Real {
-    /// Checks it; returns how many I2C adapters there are.
+    /// Checks the bench; returns the number of its I2C adapters.
     fn check(&self, source: &Source, unit: bool) -> Result<u8, FileError> {
         // One board listens on each address of a bus, and a bench has at most 16.
         let adapters = u8::try_from(self.i2c.len()).unwrap_or(u8::MAX);
@@ -296,7 +301,7 @@ impl Bench {
     /// Reads and checks a bench by itself; [`crate::Setup`] checks it against its display.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let mut bench: Self = source.read()?;
         source.heading(&bench.name, &bench.description)?;
@@ -323,13 +328,13 @@ impl Bench {
         Ok(bench)
     }
 
-    /// Where its driver unit listens, if that is not emulated.
+    /// Address at which the driver unit listens, if that is not emulated.
     #[must_use]
     pub fn unit_address(&self) -> Option<&str> {
         self.unit.as_ref()?.address.as_deref()
     }
 
-    /// Whether anything of it is hardware, or may be: devices of this computer, or a driver unit on a network.
+    /// Returns true if any part is hardware, or may be: devices of this computer, or a driver unit on a network.
     #[must_use]
     pub fn is_hardware(&self) -> bool {
         self.kind == BenchKind::Real || self.unit_address().is_some()
@@ -369,7 +374,7 @@ impl Bench {
         Err(source.bad("heat", without))
     }
 
-    /// How many I2C adapters there are, and whether the kind of bench has what it needs.
+    /// Counts the I2C adapters, and checks that the kind of bench has what it needs.
     fn adapters(&self, source: &Source) -> Result<u8, FileError> {
         match (self.kind, &self.real) {
             (BenchKind::Emulated, None) => Ok(1),

@@ -1,4 +1,4 @@
-//! A value in place of a file's own, and where in a TOML text a key stands.
+//! Changes: values in place of a file's own, and the places of keys in a TOML text.
 
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -6,11 +6,11 @@ use toml::de::DeTable;
 
 use super::plain;
 
-/// What stands at a key whatever the file says.
+/// A value in place of a file's own.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Change {
-    /// Who says so, as errors name it: an option of the command line.
+    /// The author of the change, as errors name it: an option of the command line.
     pub by: String,
     /// The key's full path.
     pub key: String,
@@ -19,7 +19,7 @@ pub(super) struct Change {
 }
 
 impl Change {
-    /// Whether it decides what stands at `key`: the same one, or one inside it.
+    /// Returns true if the change decides the value at `key`: at that key, or at one around it.
     pub(super) fn covers(&self, key: &str) -> bool {
         let inside = key.strip_prefix(self.key.as_str());
         inside.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -62,7 +62,7 @@ impl Change {
     }
 }
 
-/// A text as a value; what is no value of TOML is a string.
+/// Parses a text as a value; a text that is no TOML value is a string.
 fn parse(text: &str) -> Result<Value, &'static str> {
     let line = format!("value = {text}");
     let Ok(table) = DeTable::parse(&line) else {
@@ -79,7 +79,7 @@ pub(super) enum Step<'k> {
     Index(usize),
 }
 
-/// `touches[0].force_n` as steps; an index may follow a key directly or stand after a dot.
+/// Steps of a key such as `touches[0].force_n`; an index may follow a key directly or stand after a dot.
 pub(super) fn steps(key: &str) -> impl Iterator<Item = Step<'_>> {
     key.split(['.', '[', ']'])
         .filter(|part| !part.is_empty())

@@ -1,7 +1,7 @@
 //! A file checked to its end: every error at once.
 //!
-//! Reading stops at the first error. Here the value at its key is left out, or something fitting is put in its place,
-//! and the file is read again, until nothing is wrong any more. So there is one reader and one wording.
+//! Reading stops at the first error. The check then leaves out the value at that key, or puts a fitting one in its
+//! place, and reads the file again, until no error is left. There is one reader and one wording for both.
 
 use std::path::Path;
 
@@ -26,24 +26,24 @@ use super::source::Source;
 use super::texture::TextureTable;
 use super::wire::{AlloyFile, WireFile};
 
-/// Errors after which a file is given up: its author has enough to do. So many values are put in place of others at
-/// most, too: two keys that each are wrong beside the other's would be mended in turn for ever.
+/// Errors after which a file is given up: its author has enough to do. It also bounds the values that are put in
+/// place of others, because two keys that contradict each other would be mended in turn for ever.
 const MOST: usize = 100;
-/// Who says so where a value is put in place of a wrong one. No file has such a name.
+/// Author of a value that replaces a wrong one. No file has such a name.
 const MENDED: &str = "\0mended";
 
-/// What a check of one file came to.
+/// Result of checking one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
-    /// What the file is; none where nothing tells.
+    /// Kind of the file; none where nothing tells.
     pub kind: Option<FileKind>,
-    /// What is wrong, in the order of the lines.
+    /// Errors, in the order of the lines.
     pub errors: Vec<FileError>,
-    /// Whether all of the file was looked at. An error that hides what comes after it makes this false.
+    /// True if all of the file was looked at. An error that hides what comes after it makes this false.
     pub complete: bool,
 }
 
-/// Checks a file of any kind; its content says which.
+/// Checks a file of any kind; its content tells the kind.
 #[must_use]
 pub fn check(path: &Path) -> Checked {
     match Source::open(path) {
@@ -56,12 +56,12 @@ pub fn check(path: &Path) -> Checked {
     }
 }
 
-/// The same for a text.
+/// Checks a text.
 #[must_use]
 pub fn check_source(source: Source) -> Checked {
     let kind = kind_of(&source);
     let mut syntax = source.syntax_errors();
-    // What comes after the first one of a line only follows from it.
+    // Later errors of a line only follow from its first.
     syntax.sort_by_key(|error| error.line);
     syntax.dedup_by_key(|error| error.line);
     if !syntax.is_empty() {
@@ -97,7 +97,7 @@ pub fn check_source(source: Source) -> Checked {
     }
 }
 
-/// What a file is: what its `#:schema` line says, else the kind that knows most of its keys.
+/// Tells the kind of a file: the one that its `#:schema` line states, else the one that knows most of its keys.
 ///
 /// # Errors
 /// A file that no kind, or more than one, knows best.
@@ -118,7 +118,7 @@ pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
     let known = |kind: FileKind| {
         let schema = placeholder::schema(kind).unwrap_or_default();
         let names = placeholder::top_keys(&schema);
-        // A slip in a key still tells: half as much as the key itself.
+        // A mistyped key still tells something: half as much as the key itself.
         let weight = |key: &String| match nearest(key, names.iter().copied()) {
             Some(name) if name == key => 2,
             Some(_) => 1,
@@ -127,7 +127,7 @@ pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
         keys.iter().filter(told).map(weight).sum::<usize>()
     };
     let scores = FileKind::ALL.map(|kind| (known(kind), kind));
-    // A file that states nothing but its name may lie in a folder that says what is in it.
+    // The folder may tell the kind of a file that states only its name.
     let folder = source.folder().and_then(|f| f.file_name()?.to_str());
     let shelf = FileKind::ALL
         .into_iter()
@@ -149,7 +149,7 @@ pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
     }
 }
 
-/// A file with what was put in place of its wrong values.
+/// A file with values in place of its wrong ones.
 struct Mended {
     source: Source,
     schema: Value,
@@ -203,14 +203,14 @@ impl Mended {
         });
     }
 
-    /// Reads until nothing is wrong, or until what is wrong cannot be mended.
+    /// Reads until no error is left, or until one cannot be mended.
     fn read(&mut self, read: impl Fn(&Source) -> Result<(), FileError>) {
         while let Err(error) = read(&self.source.with(self.changes.clone())) {
             let own = error.path == self.source.label();
             if error.path != MENDED && !self.errors.contains(&error) {
                 self.errors.push(error.clone());
             }
-            // Another file's errors are for its own check; what it says of this one is hidden.
+            // Another file's errors are for its own check, and they hide those of this one.
             let mended = own || error.path == MENDED;
             let enough = self.errors.len() >= MOST || self.changes.len() >= MOST;
             if !mended || enough || !self.mend(&error, &read) {
@@ -220,7 +220,7 @@ impl Mended {
         }
     }
 
-    /// Puts something else at the key of an error, so that reading goes on beyond it.
+    /// Puts another value at the key of an error, so that reading goes on beyond it.
     fn mend(
         &mut self,
         error: &FileError,
@@ -249,8 +249,8 @@ impl Mended {
         false
     }
 
-    /// The file with the key that was meant: one that was only mistyped is not missing as well, and what lies in it
-    /// is checked.
+    /// Returns the file with the mistyped key renamed: the key then is not missing as well, and its content is
+    /// checked.
     fn renamed(&self, key: &str, error: &FileError) -> Option<Source> {
         if !error.found.starts_with("the unknown key") {
             return None;
@@ -260,7 +260,7 @@ impl Mended {
         self.source.renamed(key, meant)
     }
 
-    /// What could stand at `key`: nothing, the word that was meant, or an example.
+    /// Values that could stand at `key`: nothing, the word that was meant, or an example.
     fn attempts(&self, key: &str, error: &FileError) -> Vec<Change> {
         let change = |value: Option<String>| Change {
             by: MENDED.into(),
@@ -278,7 +278,7 @@ impl Mended {
     }
 }
 
-/// Whether a key is the other or lies in it.
+/// Returns true if a key is the other or lies in it.
 fn is_at(key: &str, other: &str) -> bool {
     let rest = key.strip_prefix(other);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))

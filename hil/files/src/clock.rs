@@ -1,37 +1,37 @@
-//! When the rows of a table came: which column says so, and what it counts.
+//! Times of a table's rows: the column that holds them, and its unit.
 
 use super::columns::{TIMES, Wrong, shown};
 use super::dialect::Row;
 use super::gain::Gain;
 use super::times::{TimeColumn, TimeUnit, date_us};
 
-/// When the rows of a table came, and what their values are.
+/// Options for the times of a table's rows, and for the unit of their values.
 #[derive(Clone, Debug, Default)]
 pub struct Timing {
-    /// The column that says so; none: a first column `time_us`, else one whose name says that it holds times.
+    /// The column that holds times; none: a first column `time_us`, else one whose name is that of times.
     pub column: Option<TimeColumn>,
-    /// Rows per second where no column says so.
+    /// Rows per second where no column holds times.
     pub rate_hz: Option<f64>,
-    /// Whether jumps of the clock are taken out.
+    /// True if jumps of the clock are taken out.
     pub split_jumps: bool,
     /// Rows at rest that are put before the readings of an array that is compensated, and never at rest.
     pub rest_rows: usize,
-    /// What makes counts of values in another unit.
+    /// Gain that turns values in another unit into counts.
     pub gain: Option<Gain>,
 }
 
-/// Where times come from.
+/// Sources of times.
 #[derive(Clone, Debug)]
 pub(super) enum Clock {
     Column(usize, TimeColumn),
     /// Whole seconds, and the column of the nanoseconds in them.
     Seconds(usize, usize),
     Rate(f64),
-    /// Times are of no interest.
+    /// A clock whose times are of no interest.
     None,
 }
 
-/// Rows of a table's beginning, by which a clock without a unit is told.
+/// Rows of a table's beginning, which tell the unit of a clock that states none.
 pub(super) struct Beginning<'a> {
     /// The names of the columns; none where there is no heading.
     pub(super) names: Option<&'a [&'a str]>,
@@ -50,7 +50,7 @@ impl Clock {
         }
     }
 
-    /// The column of times, where there is one, and what it counts.
+    /// The column of times, where there is one, and its unit.
     pub(super) fn counted(&self) -> Option<(usize, TimeUnit)> {
         match self {
             Self::Column(place, column) => Some((*place, column.unit)),
@@ -59,7 +59,7 @@ impl Clock {
         }
     }
 
-    /// The column of times as errors name it.
+    /// The name of the column of times in errors.
     pub(super) fn key(&self) -> String {
         match self {
             Self::Column(place, column) if column.name.is_empty() => {
@@ -71,8 +71,8 @@ impl Clock {
         }
     }
 
-    /// The time of a row as its column states it, microseconds; 0 without one. Where what the numbers count was not
-    /// stated, they are whole.
+    /// The time of a row as its column states it, microseconds; 0 without one. Numbers whose unit was not stated are
+    /// whole.
     pub(super) fn micros(&self, row: Row<'_>, stated: bool) -> Result<u64, Wrong> {
         let wrong = |field: &str, expected: String| (Some(self.key()), expected, shown(field));
         match self {
@@ -100,7 +100,7 @@ impl Clock {
 }
 
 impl Timing {
-    /// The clock of a table, and what is to be said of how it was found.
+    /// Finds the clock of a table, with a remark on how it was found.
     pub(super) fn clock(&self, table: &Beginning<'_>) -> Result<(Clock, Option<String>), Wrong> {
         let names = table.names.unwrap_or_default();
         if let Some(column) = &self.column {
@@ -140,7 +140,7 @@ impl Timing {
 
 type Found = Option<(Clock, Option<String>)>;
 
-/// The first column whose name says that it holds times.
+/// The first column whose name is that of times.
 fn named(names: &[&str], rows: &[Vec<String>]) -> Result<Found, Wrong> {
     for (place, name) in names.iter().enumerate() {
         let Some(unit) = is_time(name) else { continue };
@@ -153,7 +153,7 @@ fn named(names: &[&str], rows: &[Vec<String>]) -> Result<Found, Wrong> {
     Ok(None)
 }
 
-/// A counter, a time, or both before the values.
+/// Finds a counter, a time, or both before the values.
 fn unnamed(table: &Beginning<'_>) -> Result<Found, Wrong> {
     let counts = |place: usize| {
         let rows = table.rows.iter();
@@ -212,7 +212,7 @@ fn of_column(
     Ok((Clock::Column(place, column), Some(note)))
 }
 
-/// Words for a unit at the end of a name; those from `secs` on may be all of it.
+/// Words for a unit at the end of a name; those from `secs` on may be the whole name.
 const UNITS: [(TimeUnit, &[&str]); 4] = [
     (TimeUnit::S, &["s", "sec", "secs", "second", "seconds"]),
     (
@@ -237,7 +237,7 @@ const UNITS: [(TimeUnit, &[&str]); 4] = [
     ),
 ];
 
-/// Whether a name is one of times, with the unit if it says so.
+/// Tells whether a name is one of times, with the unit if the name states it.
 fn is_time(name: &str) -> Option<Option<TimeUnit>> {
     if name == "%time" {
         return Some(Some(TimeUnit::Ns)); // as rostopic writes them
@@ -278,7 +278,7 @@ fn nanos_beside(names: &[&str], seconds: usize) -> Option<usize> {
     pairs.into_iter().find_map(|pair| partner(name, pair))
 }
 
-/// What a column counts, by its numbers: those since 1970 say so, others by rows that a skin would give.
+/// Guesses the unit of a column by its numbers: those since 1970 show it, others by the rows that a skin would give.
 fn guess(fields: &[&str]) -> Option<TimeUnit> {
     if fields.first().is_some_and(|f| date_us(f).is_some()) {
         return Some(TimeUnit::Date);
@@ -304,7 +304,7 @@ fn guess(fields: &[&str]) -> Option<TimeUnit> {
         .collect();
     steps.sort_by(f64::total_cmp);
     let step = *steps.get(steps.len() / 2)?;
-    // Rows as a skin would give them, so far apart that no two units could be meant.
+    // A unit counts only where rows as fast as a skin's exclude all others.
     Some(match step {
         1e-4..0.9 => TimeUnit::S,
         s if s > 1.0 && s <= 500.0 => TimeUnit::Ms,

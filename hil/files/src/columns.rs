@@ -1,17 +1,17 @@
-//! Columns of a table: what a recording must hold, and which of a file's columns are taken.
+//! Columns of a table: those that a recording must hold, and those of a file that are taken.
 
 use super::layout::SensorLayout;
 use super::order::{Group, groups, is_computed, listed};
 
-/// What a recording of taxels must hold: `taxels` times `axes` columns, `txl1_x,txl1_y,txl1_z,...` (`_z` alone for
-/// one axis).
+/// Columns that a recording of taxels must hold: `taxels` times `axes` of them, `txl1_x,txl1_y,txl1_z,...` (`_z`
+/// alone for one axis).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Columns {
     /// Taxels per row.
     pub taxels: usize,
-    /// 1 or 3.
+    /// Axes of a taxel, 1 or 3.
     pub axes: u8,
-    /// The layout that asks for them, for messages.
+    /// The layout that asks for the columns, for messages.
     pub layout: String,
 }
 
@@ -36,7 +36,7 @@ impl Columns {
         }
     }
 
-    /// How many.
+    /// Number of columns.
     #[must_use]
     pub fn count(&self) -> usize {
         self.taxels * usize::from(self.axes)
@@ -67,45 +67,45 @@ impl Columns {
     }
 }
 
-/// Which columns of a table are taken.
+/// Selections of a table's columns.
 #[derive(Clone, Copy, Debug)]
 pub enum Take<'a> {
-    /// All of a recording of taxels, under their own names.
+    /// All columns of a recording of taxels, under their own names.
     Taxels(&'a Columns),
-    /// So many columns of a header whose names begin with a prefix, in the order of the numbers in them; without numbers in
-    /// the order of the file.
+    /// A number of columns whose names begin with a prefix, in the order of the numbers in the names; without numbers
+    /// in the order of the file.
     Counted(&'a str, usize),
     /// The features of a model by their names. Where it names none, or the file has no header: all columns but
     /// times, of which there must be `count`.
     Features {
         /// The columns' names.
         names: &'a [String],
-        /// How many.
+        /// Number of columns.
         count: usize,
     },
     /// Columns of a header whose names begin with a prefix, without those of some taxels.
     Prefixed {
-        /// What names begin with.
+        /// Beginning of the names.
         prefix: &'a str,
         /// Taxels left out: the part of a name before its first underscore.
         without: &'a [String],
     },
 }
 
-/// A column that is taken: where it stands, and what the header calls it; empty without a header.
+/// A column that is taken: its place, and its heading; empty without a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Taken {
     pub(super) place: usize,
     pub(super) name: String,
 }
 
-/// Columns that are taken, and what is to be said of the choice.
+/// Columns that are taken, and a remark on the choice.
 pub(super) type Chosen = (Vec<Taken>, Option<String>);
 
-/// Columns that say when, not what.
+/// Names of columns that hold times and no values.
 pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
 
-/// What the name of a joint's column begins with.
+/// Beginning of the name of a joint's column.
 pub const JOINT: &str = "joint_";
 
 /// Key, expected and found.
@@ -121,7 +121,7 @@ pub(super) fn shown(field: &str) -> String {
 }
 
 impl Take<'_> {
-    /// How many columns there must be; none where that follows from the file.
+    /// Number of columns there must be; none where that follows from the file.
     pub(super) fn count(self) -> Option<usize> {
         match self {
             Self::Taxels(columns) => Some(columns.count()),
@@ -130,7 +130,7 @@ impl Take<'_> {
         }
     }
 
-    /// The columns to take by the fields of the first line, and what is to be said of the choice; `times` are those of
+    /// Chooses the columns by the fields of the first line, with a remark on the choice; `times` are the columns of
     /// times.
     pub(super) fn of(self, first: &[&str], header: bool, times: &[usize]) -> Result<Chosen, Wrong> {
         match self {
@@ -280,7 +280,7 @@ fn own(first: &[&str], columns: &Columns, times: &[usize]) -> Result<Vec<Taken>,
 /// Most columns before the values of a table without a heading: a number and a time.
 pub(super) const MOST_BEFORE: usize = 2;
 
-/// Columns that numbers in their names put in an order; none where there are no such.
+/// Columns in the order of the numbers in their names; none where names have no numbers.
 fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Option<Chosen>, Wrong> {
     let count = columns.count();
     let all = groups(places.iter().map(|place| (*place, first[*place])));
@@ -298,7 +298,7 @@ fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Optio
             return Err((None, expected, listed(&found)));
         }
     } else {
-        // Modules side by side, each with as many.
+        // Modules stand side by side, each with as many columns.
         let most = fit
             .iter()
             .map(|group| group.places.len())
@@ -319,7 +319,7 @@ fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Optio
     Ok(Some((taken.collect(), Some(told(&fit, columns)))))
 }
 
-/// How columns were put in order.
+/// Describes the order that columns were put in.
 fn told(groups: &[&Group], columns: &Columns) -> String {
     let patterns: Vec<String> = groups.iter().map(|g| format!("`{}`", g.pattern)).collect();
     let mut text = format!(

@@ -1,14 +1,14 @@
-//! How a table of numbers is written: what stands between its fields, which lines are remarks, and its decimal mark.
+//! Dialects of tables of numbers: the separator of fields, the lines that are remarks, and the decimal mark.
 
 use super::times::date_us;
 
 /// Rows of a table's beginning that are looked at.
 const LOOKED_AT: usize = 64;
 
-/// What stands between the fields of a line, and the decimal mark.
+/// Separator of the fields of a line, and decimal mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
-    /// One of `,`, `;`, tab; none: blanks.
+    /// The separator, one of `,`, `;`, tab; none: blanks.
     separator: Option<u8>,
     decimal_comma: bool,
 }
@@ -53,7 +53,8 @@ impl Dialect {
         dialect
     }
 
-    /// The share of values among the fields behind the first line, in lines that are as wide; 0 where there is one field.
+    /// The share of values among the fields behind the first line, in lines of equal width; 0 where there is one
+    /// field.
     fn score(self, lines: &[&str]) -> f64 {
         let mut fields = Fields::new(self);
         let Some(first) = lines.first() else {
@@ -73,26 +74,26 @@ impl Dialect {
                 values += row.iter().filter(|f| is_value(f)).count();
             }
         }
-        // A heading alone is separated by what separates it.
+        // A heading alone has the separator that cuts it.
         let least = 0.01;
         (values as f64 / total.max(1) as f64).max(least)
     }
 }
 
-/// Lines of a text's beginning that are surely whole; the only line, where there is no more.
+/// Lines of a text's beginning that are surely whole; the only line, where the text has one.
 fn whole_lines(start: &str) -> impl Iterator<Item = &str> {
     let end = start.rfind('\n').map_or(start.len(), |end| end + 1);
     start.get(..end).unwrap_or_default().lines()
 }
 
-/// Whether a line holds neither names nor values.
+/// Returns true if a line holds neither names nor values.
 pub(super) fn is_remark(line: impl AsRef<[u8]>) -> bool {
     let line = line.as_ref().trim_ascii_start();
     let marks: [&[u8]; 3] = [b"#", b"% ", b"//"];
     line.is_empty() || marks.iter().any(|mark| line.starts_with(mark))
 }
 
-/// Whether a field may be a value: a number, with either decimal mark, a date, or nothing.
+/// Returns true if a field may be a value: a number, with either decimal mark, a date, or nothing.
 pub(super) fn is_value(field: &str) -> bool {
     field.is_empty()
         || field.parse::<f64>().is_ok()
@@ -100,7 +101,7 @@ pub(super) fn is_value(field: &str) -> bool {
         || date_us(field).is_some()
 }
 
-/// Takes lines apart: the same memory for all lines.
+/// Splitter of lines into fields, which reuses its memory for all lines.
 #[derive(Debug)]
 pub(super) struct Fields {
     dialect: Dialect,
@@ -151,7 +152,7 @@ impl Fields {
         }
     }
 
-    /// Makes decimal points of decimal commas.
+    /// Turns decimal commas into decimal points.
     fn point(&mut self) {
         if self.dialect.decimal_comma {
             let commas = self.text.iter_mut().filter(|byte| **byte == b',');
@@ -159,11 +160,11 @@ impl Fields {
         }
     }
 
-    /// Fields with quotes go through a reader that knows them.
+    /// Splits a line with quotes by a reader that knows them.
     fn unquote(&mut self, line: &str) {
         let separator = self.dialect.separator.unwrap_or(b',');
-        // Fields are no longer than their line, and each but the first has a separator before it. There is room for one
-        // more of either: the reader takes no end where there is none.
+        // Fields are no longer than their line, and each but the first has a separator before it. Both buffers
+        // have one more place, because the reader takes no end where there is none.
         let most = 2 + line.bytes().filter(|b| *b == separator).count();
         self.text.resize(line.len() + 1, 0);
         self.ends.resize(most, 0);
@@ -183,7 +184,7 @@ impl Fields {
     }
 }
 
-/// Where the fields of a line without quotes are.
+/// Finds the fields of a line without quotes.
 fn cut(line: &[u8], separator: Option<u8>, spans: &mut Vec<(usize, usize)>) {
     let mut begin = 0;
     match separator {
@@ -217,7 +218,8 @@ impl<'l> Row<'l> {
         self.spans.len()
     }
 
-    /// Whether it has so many fields, or one more that is empty: some programs end each line with a separator.
+    /// Returns true if the row has so many fields, or one more that is empty: some programs end each line with a
+    /// separator.
     pub(super) fn has_width(self, width: usize) -> bool {
         let ends_empty = self.count() == width + 1 && self.get(width).is_empty();
         self.count() == width || (width > 0 && ends_empty)
@@ -228,7 +230,7 @@ impl<'l> Row<'l> {
         let span = self.spans.get(place);
         let field = span.and_then(|(begin, end)| self.text.get(*begin..*end));
         let field = field.unwrap_or_default().trim();
-        // Quotes behind a space are quotes to people alone.
+        // Quotes behind a space are quotes to people but not to the reader.
         let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
         quoted.unwrap_or(field)
     }

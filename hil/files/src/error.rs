@@ -1,10 +1,10 @@
-//! The one error of every file a user hands in: where it is, what was expected, what stood there.
+//! The one error of every file that a user hands in: its place, the expectation, and the finding there.
 
 use std::{fmt, io};
 
 use serde::Serialize;
 
-/// A file that cannot be used, said so that its author can mend it. Its display is
+/// A file that cannot be used, in words by which its author can mend it. Its display is
 /// `file:line: key: expected ..., found ...`; a retry without an edit does not help.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
 pub struct FileError {
@@ -15,9 +15,9 @@ pub struct FileError {
     pub line: Option<usize>,
     /// The key's full path (`touches[0].force_n.mean`) or the CSV column; none when no key is meant.
     pub key: Option<String>,
-    /// What would have been right.
+    /// Right text in its place.
     pub expected: String,
-    /// What was there instead.
+    /// Text that was there instead.
     pub found: String,
 }
 

@@ -1,4 +1,4 @@
-//! A scene's faults: what goes wrong, where, from when until when. `docs/faults.md` says what each does.
+//! Faults of a scene: their kinds, places and times. `docs/faults.md` describes the effect of each.
 
 use serde::Deserialize;
 
@@ -8,7 +8,7 @@ use super::source::Source;
 
 macro_rules! kinds {
     ($($(#[$doc:meta])* $variant:ident = $text:literal [$($key:literal)*] [$($optional:literal)*]),+ $(,)?) => {
-        /// What goes wrong.
+        /// Kinds of faults.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
         #[cfg_attr(test, derive(schemars::JsonSchema))]
         pub enum FaultKind { $($(#[$doc])* #[serde(rename = $text)] $variant),+ }
@@ -17,13 +17,13 @@ macro_rules! kinds {
             /// Every kind.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// Its name in a scene.
+            /// The kind's name in a scene.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$variant => $text),+ }
             }
 
-            /// The keys it needs, and those it may have.
+            /// Keys that the kind needs, and keys that it may have.
             const fn keys(self) -> (&'static [&'static str], &'static [&'static str]) {
                 match self { $(Self::$variant => (&[$($key),*], &[$($optional),*])),+ }
             }
@@ -32,77 +32,77 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// CAN frames are lost at random.
+    /// Random loss of CAN frames.
     FramesLost = "frames-lost" ["rate"] [],
-    /// CAN frames arrive twice.
+    /// CAN frames that arrive twice.
     FramesDuplicated = "frames-duplicated" ["rate"] [],
-    /// CAN frames arrive late, after newer ones.
+    /// CAN frames that arrive late, after newer ones.
     FramesLate = "frames-late" ["rate" "late_ms"] [],
-    /// CAN frames arrive with a bit turned over.
+    /// CAN frames that arrive with a bit turned over.
     FramesCorrupted = "frames-corrupted" ["rate"] [],
-    /// CAN frames arrive cut short.
+    /// CAN frames that arrive cut short.
     FramesShort = "frames-short" ["rate"] [],
-    /// Frames are destroyed on the wire by error frames.
+    /// Frames that error frames destroy on the wire.
     ErrorFrames = "error-frames" ["bus" "count"] [],
-    /// A taxel repeats its value.
+    /// A taxel that repeats its value.
     TaxelFrozen = "taxel-frozen" ["module" "taxel"] [],
-    /// A taxel sends zeros.
+    /// A taxel that sends zeros.
     ZeroTriplets = "zero-triplets" ["module" "taxel"] [],
-    /// Nothing comes from one SDA line of a board.
+    /// Silence of one SDA line of a board.
     SdaDead = "sda-dead" ["module" "line"] [],
-    /// A board believes it carries another model: the lower half of its rows reads zero.
+    /// A board that believes it carries another model: the lower half of its rows reads zero.
     WrongModel = "wrong-model" ["module"] [],
-    /// A board sends under another one's number.
+    /// A board that sends under another one's number.
     SameAddress = "same-address" ["module" "with"] [],
-    /// A board loses power for 0.1 s, or until `until_s`.
+    /// A board that loses power for 0.1 s, or until `until_s`.
     BoardReboot = "board-reboot" ["module"] [],
-    /// A board has no power before `at_s`.
+    /// A board without power before `at_s`.
     LateStart = "late-start" ["module"] [],
-    /// A board's controller, or the host's on a bus, goes bus-off.
+    /// A board's controller, or the host's on a bus, that goes bus-off.
     BusOff = "bus-off" [] ["module" "bus"],
-    /// A board's clock runs fast or slow.
+    /// A board's clock that runs fast or slow.
     ClockDrift = "clock-drift" ["module" "ppm"] [],
-    /// A chip does not acknowledge its address.
+    /// A chip that does not acknowledge its address.
     I2cAddressNack = "i2c-address-nack" [] ["rate" "bus"],
-    /// A data byte is not acknowledged: half an update arrives.
+    /// A data byte that is not acknowledged: half an update arrives.
     I2cDataNack = "i2c-data-nack" [] ["rate" "bus"],
-    /// Another controller wins the bus.
+    /// A bus that another controller wins.
     I2cArbitrationLoss = "i2c-arbitration-loss" [] ["rate" "bus"],
-    /// The adapter fails after the transfer.
+    /// An adapter that fails after the transfer.
     I2cEio = "i2c-eio" [] ["rate" "bus"],
-    /// The clock is held low for `stretch_ms`.
+    /// A clock that is held low for `stretch_ms`.
     I2cStretch = "i2c-stretch" ["stretch_ms"] ["rate" "bus"],
-    /// A line is stuck low.
+    /// A line that is stuck low.
     I2cStuck = "i2c-stuck" [] ["bus"],
-    /// A PCA9685 falls back to its reset values.
+    /// A PCA9685 that falls back to its reset values.
     BrownOut = "brown-out" ["board"] [],
-    /// A PCA9685's oscillator runs at `factor` times its nominal frequency.
+    /// A PCA9685's oscillator that runs at `factor` times its nominal frequency.
     Oscillator = "oscillator" ["board" "factor"] [],
-    /// The clock on a PCA9685's EXTCLK pin stops.
+    /// A clock on a PCA9685's EXTCLK pin that stops.
     ClockStopped = "clock-stopped" ["board"] [],
-    /// A wire's amplifier conducts whatever its input says: a shorted transistor.
+    /// A wire's amplifier that conducts whatever its input: a shorted transistor.
     AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
-    /// A wire or its plug is broken.
+    /// A broken wire or plug.
     OpenWire = "open-wire" ["wire"] [],
-    /// A converter has no supply.
+    /// A converter without a supply.
     ConverterDead = "converter-dead" ["board"] [],
-    /// A converter loses its supply for a moment and falls back to zero.
+    /// A converter that loses its supply for a moment and falls back to zero.
     ConverterBrownOut = "converter-brown-out" ["board"] [],
-    /// A converter's output keeps its current, whatever is written and acknowledged.
+    /// A converter's output that keeps its current, whatever is written and acknowledged.
     ConverterStuck = "converter-stuck" ["wire"] [],
-    /// The highest bit of a converter's output turns over.
+    /// A converter's output whose highest bit turns over.
     ConverterFlipped = "converter-flipped" ["wire"] [],
-    /// The network to a driver unit is gone, both ways.
+    /// A network to a driver unit that is gone, both ways.
     LinkOutage = "link-outage" [] [],
-    /// The network to a driver unit is that of a worse radio.
+    /// A network to a driver unit with a worse radio.
     LinkRough = "link-rough" [] [],
-    /// A lead of the thermistor in a Peltier module's face is broken.
+    /// A broken lead of the thermistor in a Peltier module's face.
     FaceSensorOpen = "face-sensor-open" [] [],
-    /// The leads of that thermistor touch.
+    /// Leads of that thermistor that touch.
     FaceSensorShort = "face-sensor-short" [] [],
-    /// The converter of a Peltier module's thermistors stands still.
+    /// A converter of a Peltier module's thermistors that stands still.
     FaceSensorStale = "face-sensor-stale" [] [],
-    /// A transistor of a Peltier module's bridge is shorted: it heats with all that its supply gives.
+    /// A shorted transistor of a Peltier module's bridge: it heats with all that its supply gives.
     BridgeShorted = "bridge-shorted" [] [],
 }
 
@@ -111,17 +111,17 @@ kinds! {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
-    /// When it begins, seconds.
+    /// Start, seconds.
     pub at_s: f64,
-    /// When it ends; left out: with the run, or at once for what happens once.
+    /// End, seconds; left out: the end of the run, or at once for a fault that happens once.
     pub until_s: Option<f64>,
-    /// What goes wrong.
+    /// The kind of fault.
     pub kind: FaultKind,
-    /// Probability a frame or transfer; left out where it may be: the next transfer, once.
+    /// Probability per frame or transfer; left out where that is allowed: the next transfer, once.
     pub rate: Option<f64>,
-    /// How late frames are, milliseconds.
+    /// Delay of frames, milliseconds.
     pub late_ms: Option<f64>,
-    /// How often.
+    /// Number of times.
     pub count: Option<u32>,
     /// A sensor module, counted from zero: its board.
     pub module: Option<usize>,
@@ -131,34 +131,34 @@ pub struct Fault {
     pub line: Option<u8>,
     /// The module whose board's number is taken.
     pub with: Option<usize>,
-    /// A sensor bus; of an I2C fault the boards' bus, all of them if left out.
+    /// A sensor bus; for an I2C fault the boards' bus, all of them if left out.
     pub bus: Option<u8>,
     /// A PCA9685, counted from zero in the order of buses and addresses.
     pub board: Option<usize>,
-    /// A wire, counted from zero: of several displays first those of the first one.
+    /// A wire, counted from zero over all displays, the first display's wires first.
     pub wire: Option<usize>,
-    /// Parts per million, positive is fast.
+    /// Deviation of the clock, parts per million; positive is fast.
     pub ppm: Option<f64>,
-    /// Of the nominal frequency.
+    /// Share of the nominal frequency.
     pub factor: Option<f64>,
-    /// How long the clock is held, milliseconds.
+    /// Time for which the clock is held, milliseconds.
     pub stretch_ms: Option<f64>,
 }
 
 impl FaultKind {
-    /// Whether it happens to a Peltier module.
+    /// Returns true if it happens to a Peltier module.
     #[must_use]
     pub fn is_of_heat(self) -> bool {
         self >= Self::FaceSensorOpen
     }
 
-    /// Whether it happens to a converter of a bench's `[dac]`.
+    /// Returns true if it happens to a converter of a bench's `[dac]`.
     #[must_use]
     pub fn is_of_converters(self) -> bool {
         (Self::ConverterDead..=Self::ConverterFlipped).contains(&self)
     }
 
-    /// Whether it happens to sensor boards or their buses.
+    /// Returns true if it happens to sensor boards or their buses.
     #[must_use]
     pub fn is_of_sensors(self) -> bool {
         self < Self::I2cAddressNack
@@ -172,7 +172,7 @@ impl FaultKind {
 }
 
 impl Fault {
-    /// The keys that are there, with their values.
+    /// Keys that the fault states, with their values.
     fn given(&self) -> Vec<(&'static str, f64)> {
         let whole = |n: Option<usize>| n.map(|n| n as f64);
         [

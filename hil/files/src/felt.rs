@@ -1,4 +1,4 @@
-//! The texture of a scene: what is stroked, with which network, and what carries it to the finger.
+//! Textures of a scene: the stroked surface, the network, and the carrier to the finger.
 
 use palpate_core::texture::Draw;
 
@@ -7,7 +7,7 @@ use super::settings::{bounds, settings};
 use super::source::Source;
 use super::words::{self, choice};
 
-choice! { /** What carries a texture. */ FeltBy {
+choice! { /** Carriers of a texture. */ FeltBy {
     /** The whole display: the pulses of (3.1) move over its wires, contacts do not show. */ Display = "display",
     /** The contacts: their bursts are thinned out. */ Contacts = "contacts",
 }}
@@ -21,27 +21,28 @@ settings! {
         pub table: String = "thesis".into(),
         /// The stroked module, counted from zero; left out: the one that drives the display.
         pub module: Option<usize>,
-        /// When strokes begin, seconds.
+        /// Starts of the strokes, seconds.
         pub strokes_s: Vec<f64>,
-        /// How long each is, seconds; 2 is the thesis's.
+        /// Length of each stroke, seconds; the thesis's is 2.
         pub stroke_s: f64 = 2.0,
-        /// The scene's touches of that module are of this surface themselves, and rub it over the skin; the network hears them as a
-        /// stroke over the whole module.
+        /// True if the scene's touches of that module are of this surface themselves, and rub it over the skin; the
+        /// network hears them as a stroke over the whole module.
         pub rubs: bool = false,
         /// The texture model: a built-in name or a file.
         pub model: String = "default".into(),
-        /// Whether hardness is felt where the surface is met and left; left out: where the model knows it, and the activation says how.
+        /// True to let hardness be felt where the surface is met and left; left out: where the model knows it and the
+        /// activation has taps.
         pub hardness: Option<bool>,
-        /// From roughness to pulses: a built-in name or a file.
+        /// The map from roughness to pulses: a built-in name or a file.
         pub activation: String = "assumed".into(),
-        /// What carries it.
+        /// The carrier of the texture.
         pub carrier: FeltBy = FeltBy::Display,
-        /// How pulses are drawn. A carrier of contacts draws nothing.
+        /// The rule by which pulses are drawn. A carrier of contacts draws nothing.
         #[serde(with = "words::Draw")]
         pub draw: Draw = Draw::Bernoulli,
     }
 
-    /// Pulses over the whole display, nothing stroked.
+    /// The texture with pulses over the whole display and nothing stroked.
     default
 }
 

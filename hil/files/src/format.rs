@@ -1,4 +1,4 @@
-//! Formats by the first bytes of a file: what a reader took it for, and what an output may replace.
+//! Formats by the first bytes of a file: refusals name them, and they decide on the files that an output may replace.
 
 use std::path::Path;
 
@@ -41,11 +41,12 @@ pub enum Format {
     Npz,
     /// Arrays of MATLAB, version 5.
     Matlab,
-    /// What is not read: a picture, an archive, a log of another program. The name says which, and how to convert it.
+    /// A format that is refused: a picture, an archive, a log of another program. The name tells it, and how to
+    /// convert it.
     Binary(&'static str),
 }
 
-/// Binary formats by what they begin with.
+/// Binary formats by their first bytes.
 const MAGIC: [(&[u8], Format); 20] = [
     (b"\x89MCAP0\r\n", Format::Mcap),
     (b"\x1f\x8b", Format::Binary("gzip (unpack it first)")),
@@ -102,7 +103,7 @@ const MAGIC: [(&[u8], Format); 20] = [
 const HDF5: &str = "HDF5 (python -c \"import h5py, numpy; numpy.savetxt('FILE.csv', h5py.File('FILE.h5')['DATASET'], \
                     delimiter=',')\")";
 const PARQUET: &str = "Parquet (python -c \"import pandas; pandas.read_parquet('FILE.parquet').to_csv('FILE.csv', index=False)\")";
-/// CAN logs of others by what their text begins with.
+/// CAN logs of other programs by the beginning of their text.
 const CAN_TEXTS: [(&str, &str); 3] = [
     ("// version", ASC),
     (
@@ -116,7 +117,7 @@ const GVRET: &str = "a GVRET log of SavvyCAN (awk -F, '$3==\"false\"{d=\"\";for(
                      printf \"(%.6f) can%d %s#%s\\n\",$1/1e6,$5,substr($2,length($2)-2),d}' FILE.csv > FILE.log)";
 
 impl Format {
-    /// The format of a file that begins so; none of an empty one, and of text without a mark.
+    /// The format of a file with this beginning; none for an empty file, and for text without a mark.
     #[must_use]
     pub fn of(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"PK\x03\x04") && start.windows(4).take(256).any(|w| w == b".npy") {
@@ -156,7 +157,7 @@ impl Format {
         if begins("frame,time_us,module") {
             return Some(Self::Contacts);
         }
-        // With insta's head, or without it as `hil run --record` writes one.
+        // A golden has insta's head, or none when `hil run --record` wrote it.
         let (_, body) = headed(text);
         if body.starts_with("palpate ") && body.lines().next()?.contains(" of ") {
             return Some(Self::Golden);
@@ -233,7 +234,7 @@ impl Format {
         })
     }
 
-    /// Whether a record of it is written while a run goes on; others take all of a run.
+    /// Returns true if a record of it is written while a run goes on; others take all of a run.
     #[must_use]
     pub const fn grows(self) -> bool {
         matches!(
@@ -242,13 +243,13 @@ impl Format {
         )
     }
 
-    /// Whether each of several displays has a record of its own.
+    /// Returns true if each of several displays has a record of its own.
     #[must_use]
     pub const fn is_per_display(self) -> bool {
         matches!(self, Self::Golden | Self::Mcap | Self::Vcd | Self::Html)
     }
 
-    /// Whether people can read it.
+    /// Returns true if people can read it.
     #[must_use]
     pub const fn is_text(self) -> bool {
         !matches!(
@@ -263,7 +264,7 @@ impl Format {
         )
     }
 
-    /// As errors name it.
+    /// Name of the format in errors.
     #[must_use]
     pub const fn noun(self) -> &'static str {
         match self {
@@ -290,7 +291,7 @@ impl Format {
     }
 }
 
-/// Whether the first line that is no remark is one of candump's: a log's, or a terminal's.
+/// Returns true if the first line that is no remark is one of candump's: a log's, or a terminal's.
 fn is_candump(text: &str) -> bool {
     let is_remark = |line: &&str| line.is_empty() || line.starts_with('#');
     let mut lines = text.lines().map(str::trim);
@@ -304,8 +305,8 @@ fn is_candump(text: &str) -> bool {
     is_timed || line.starts_with("DROPCOUNT: ") || (!line.contains(['=', ',', '$']) && in_columns())
 }
 
-/// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself. Editors may have put a
-/// byte order mark before it, and lines may end as on Windows.
+/// Splits a snapshot of insta's into the heading above it, if there is one, and the snapshot itself. A byte order
+/// mark of an editor may stand before it, and lines may end as on Windows.
 #[must_use]
 pub fn headed(text: &str) -> (Option<&str>, &str) {
     let text = text.trim_start_matches('\u{FEFF}');

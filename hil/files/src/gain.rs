@@ -12,11 +12,11 @@ pub struct Gain {
     at_zero: f64,
 }
 
-/// Counts from 0 to 65535 have their middle here.
+/// Middle of the counts from 0 to 65535.
 const MIDDLE: f64 = 32_768.0;
-/// So many counts may be taken at rest: the others are for touches.
+/// Most counts that values at rest may take: the others are for touches.
 const ROOM: f64 = 1.75 * MIDDLE;
-/// Counts that noise shall come to, at least: a threshold is found from it.
+/// Least counts of noise: a threshold is found from it.
 const NOISE: f64 = 3.0;
 /// The gain of values without noise, such as a simulator's.
 const WITHOUT_NOISE: f64 = 1000.0;
@@ -36,10 +36,10 @@ impl Gain {
         format!("a value from {least:.3} to {most:.3} (--gain makes counts of it)")
     }
 
-    /// Counts need no gain; of other values the error has one by their noise.
+    /// Accepts counts, which need no gain; for other values the error proposes a gain by their noise.
     ///
     /// # Errors
-    /// What was expected and found, where most values are no counts.
+    /// The expectation and the finding, where most values are no counts.
     pub(super) fn needless(rows: &[Vec<String>], places: &[usize]) -> Result<(), (String, String)> {
         let field = |row: &Vec<String>, place: usize| row.get(place).cloned().unwrap_or_default();
         let (mut steps, mut no_counts, mut all) = (Vec::new(), 0, 0);
@@ -79,7 +79,7 @@ impl Gain {
 }
 
 impl Gain {
-    /// A power of ten by which noise comes to a few counts, and which leaves room for touches.
+    /// The power of ten at which noise comes to a few counts and touches still have room.
     fn proposed(noise: Option<f64>, least: f64, most: f64) -> Self {
         let tens = |log: f64| libm::pow(10.0, log);
         let by_noise = noise.map_or(WITHOUT_NOISE, |noise| {

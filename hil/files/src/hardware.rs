@@ -1,7 +1,8 @@
-//! What may be changed of a bench of hardware beside its file: a limit, towards the safe side, and where its buses are.
+//! Changes that a bench of hardware permits beside its file: a limit, towards the safe side, and the addresses of its
+//! buses.
 //!
-//! What the file says of hardware is a fact: the guard counts with it. A current that is said to be smaller than it is makes
-//! every limit of heat a larger one.
+//! Statements of the file about hardware are facts that the guard counts with: a current stated smaller than it is
+//! would loosen every limit of heat.
 
 use super::bench::Bench;
 use super::error::FileError;
@@ -10,17 +11,17 @@ use super::overrides::Overrides;
 use super::setup::limits_of;
 use super::source::Source;
 
-/// The way on, after what may be changed of a key.
+/// The way on, after the changes that a key permits.
 const FACT: &str = "nothing beside the file: on hardware it is a fact that the guard counts with; change the bench's own file";
 
-/// Where its hardware is reached, which says nothing of what it is.
+/// Keys that address the hardware and describe none of it.
 const ADDRESSES: [&str; 2] = ["unit.address", "unit.key"];
 
 impl Loaded<Bench> {
     /// The bench read again with these changes. Of a bench of hardware they may only tighten a limit.
     ///
     /// # Errors
-    /// Names the option and key of what cannot be.
+    /// Names the option and key of a value that is refused.
     pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
         let source = self.source.with(overrides.bench.clone());
         if self.value.is_hardware() {
@@ -51,7 +52,8 @@ fn refuse_facts(changed: &Source) -> Result<(), FileError> {
     fact.map_or(Ok(()), |key| Err(changed.bad(key, FACT)))
 }
 
-/// Refuses changes to a bench of hardware, or changes that would make one of an emulated bench, unless they tighten a limit.
+/// Refuses changes to a bench of hardware that tighten no limit, and changes that would make an emulated bench one of
+/// hardware.
 ///
 /// # Errors
 /// Names the option and key.
@@ -67,7 +69,7 @@ fn check(before: &Loaded<Bench>, after: &Loaded<Bench>) -> Result<(), FileError>
     })
 }
 
-/// What was expected of a change to this key, unless it is a limit that became no looser.
+/// Expectation for a change to this key, unless it is a limit that became no looser.
 fn tightened(
     key: &str,
     before: &Loaded<Bench>,
@@ -103,7 +105,7 @@ fn tightened(
             let insists = "true: on hardware real-time priority can only be insisted on";
             (new.realtime != Some(true)).then(|| insists.into())
         }
-        // An address.
+        // The key is an address, which may change.
         _ => None,
     })
 }

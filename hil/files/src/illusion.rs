@@ -1,4 +1,4 @@
-//! A scene's illusion: which law, how contacts share wires, how strong, when, for whom.
+//! Illusion of a scene: its law, the sharing of wires, strength, timing and wearer.
 
 use palpate_core::illusion::{Distances, IllusionModel, Sharing, TimingLaw};
 use palpate_core::render::Style;
@@ -19,21 +19,22 @@ settings! {
         /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
         /// the gap. Left out: the model's own (1, 0.65, 0.6).
         pub shape: Option<f64>,
-        /// `phantom` with the shape that makes midpoints flat, found from the spacings.
+        /// True for `phantom` with the shape that makes midpoints flat, found from the spacings.
         pub flat: bool = false,
         /// Distances; left out: `axes` for `phantom`, else `plane`.
         #[serde(with = "words::distances")]
         #[cfg_attr(test, schemars(with = "Option<words::Distances>"))]
         pub distances: Option<Distances>,
-        /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
+        /// Distance outside the wires at which a contact is still rendered, as a share of the smallest gap; left out:
+        /// 0.5.
         pub margin: Option<f64>,
-        /// How `inverse` renders a contact.
+        /// The style in which `inverse` renders a contact.
         #[serde(with = "words::Style")]
         pub render: Style = Style::Smooth,
-        /// How strongly `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left out: as
-        /// strongly as the limits let it.
+        /// Strength at which `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left
+        /// out: the strongest that the limits permit.
         pub level_db: Option<f64>,
-        /// How several contacts share wires.
+        /// The rule by which several contacts share wires.
         #[serde(with = "words::Sharing")]
         pub sharing: Sharing = Sharing::Strongest,
         /// Duty of a wire that is barely active, a share of the period.
@@ -45,10 +46,10 @@ settings! {
         pub timing: TimingLaw = TimingLaw::TactileBrush,
         /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most. `inverse` finds its own.
         pub tau_d_ms: Option<f64>,
-        /// Between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which is 35 if that is
-        /// left out too.
+        /// Time between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which
+        /// is 35 if that is left out too.
         pub soa_ms: Option<f64>,
-        /// Whether a contact's level reaches the wires.
+        /// True if a contact's level reaches the wires.
         pub intensity: bool = true,
         /// The share of beta at the lowest level; the top level has all of it.
         pub intensity_floor: f64 = 0.85,
@@ -56,7 +57,7 @@ settings! {
         pub weber: Option<f64>,
         /// The emulated person who feels it, a built-in name or a file.
         pub person: String = "typical".into(),
-        /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
+        /// The wearer's calibration, a built-in name or a file; left out: none.
         pub wearer: Option<String>,
     }
 }
@@ -114,21 +115,21 @@ impl Illusion {
     }
 }
 
-/// A straight stroke over the display, rendered by the Tactile Brush planner in place of live contacts. Where it begins and
-/// ends at one place it stays there, with an onset every SOA.
+/// A straight stroke over the display, which the Tactile Brush planner renders in place of live contacts. A stroke
+/// that begins and ends at one place stays there, with an onset every SOA.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SceneStroke {
     /// First onset.
     pub start_s: f64,
-    /// How long it takes from end to end.
+    /// Time from end to end, seconds.
     pub length_s: f64,
-    /// Where it begins, on the display.
+    /// Beginning of the stroke on the display, mm.
     pub from_mm: [f64; 2],
-    /// Where it ends.
+    /// End of the stroke on the display, mm.
     pub to_mm: [f64; 2],
-    /// How strong, as a part of full strength.
+    /// Strength, as a part of full strength.
     #[serde(default = "full")]
     pub weight: f64,
 }

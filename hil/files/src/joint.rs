@@ -1,4 +1,4 @@
-//! Joints of the hand that a skin is on: their angles over time, and what of a scene depends on them.
+//! Joints of the hand that a skin is on: their angles over time, and the conditions of a scene that depend on them.
 
 use serde::Deserialize;
 
@@ -14,7 +14,7 @@ pub const MOST_DEG: f64 = 360.0;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Its name: letters, digits, `_` and `-`.
+    /// The joint's name: letters, digits, `_` and `-`.
     pub name: String,
     /// Times in seconds, ascending, and angles in degrees; straight lines between, and the ends hold.
     pub points_s_deg: Vec<[f64; 2]>,
@@ -69,7 +69,7 @@ pub(super) fn check(joints: &[Joint], source: &Source) -> Result<(), FileError> 
     Ok(())
 }
 
-/// When a finger is felt: while a joint's angle is in a range.
+/// Condition under which a finger is felt: a joint's angle is in a range.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -141,7 +141,7 @@ impl Gate {
         })
     }
 
-    /// Whether a finger is felt at a time in seconds.
+    /// Returns true if a finger is felt at a time in seconds.
     #[must_use]
     pub fn is_open(&self, joints: &[Joint], t_s: f64) -> bool {
         let angle = joints.get(self.joint).map(|joint| joint.at(t_s));

@@ -1,4 +1,4 @@
-//! Layouts: where a skin's taxels or a display's wires are. Millimetres, x right, y up, row 0 on top.
+//! Layouts: places of a skin's taxels or a display's wires. Millimetres, x right, y up, row 0 on top.
 
 use serde::Deserialize;
 
@@ -46,21 +46,21 @@ pub(super) enum DisplayTag {
 pub struct SensorLayout {
     #[allow(dead_code, reason = "checked by its type")]
     kind: SensorTag,
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The skin, in a sentence.
     pub description: String,
-    /// What of it is an assumption; reports flag it.
+    /// The part that is an assumption; reports flag it.
     pub assumed: Option<String>,
-    /// What its taxels measure with.
+    /// The principle by which its taxels measure.
     #[serde(default = "magnetic")]
     pub transducer: Transducer,
-    /// 1 (normal only) or 3.
+    /// Axes of a taxel, 1 (normal only) or 3.
     #[serde(default = "three")]
     pub axes: u8,
-    /// The image all modules together make, where they make one; cells without a taxel read as faulty.
+    /// The image that all modules together make, where they make one; cells without a taxel read as faulty.
     pub image: Option<ImageSize>,
-    /// The modules; a reading's order is theirs.
+    /// Modules of the skin; readings come in their order.
     pub modules: Vec<SkinModule>,
 }
 
@@ -77,9 +77,9 @@ const fn three() -> u8 {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ImageSize {
-    /// From top to bottom.
+    /// Number of rows, from top to bottom.
     pub rows: usize,
-    /// From left to right.
+    /// Number of columns, from left to right.
     pub columns: usize,
 }
 
@@ -90,17 +90,17 @@ pub struct ImageSize {
 pub struct DisplayLayout {
     #[allow(dead_code, reason = "checked by its type")]
     kind: DisplayTag,
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The display, in a sentence.
     pub description: String,
-    /// What of it is an assumption; reports flag it.
+    /// The part that is an assumption; reports flag it.
     pub assumed: Option<String>,
-    /// The actuator spacings Dx and Dy of the phantom sensation.
+    /// The actuator spacings Dx and Dy of the phantom sensation, mm.
     pub spacing_mm: [f64; 2],
     /// The surface that was unrolled; left out: flat.
     pub surface: Option<FingerSurface>,
-    /// The wires' centres on the unrolled surface, in the order of the bench's outputs.
+    /// Centres of the wires on the unrolled surface, mm, in the order of the bench's outputs.
     pub wires_mm: Vec<[f64; 2]>,
 }
 
@@ -109,14 +109,14 @@ pub struct DisplayLayout {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FingerSurface {
-    /// Diameter of cylinder and tip.
+    /// Diameter of cylinder and tip, mm.
     pub diameter_mm: f64,
-    /// The y at which the cylinder ends and the tip begins.
+    /// The y at which the cylinder ends and the tip begins, mm.
     pub tip_mm: f64,
 }
 
 impl SensorLayout {
-    /// How many taxels are read, over all modules.
+    /// Number of taxels that are read, over all modules.
     #[must_use]
     pub fn readings(&self) -> usize {
         self.modules.iter().map(SkinModule::readings).sum()
@@ -177,7 +177,7 @@ impl LayoutFile {
     /// Reads and checks a layout of either kind.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         match source.peek("kind")?.as_deref() {
             Some("sensor") => {
@@ -227,7 +227,7 @@ impl DisplayLayout {
         self.check_overlap(source)
     }
 
-    /// Two wires closer than their eyelets are wide cannot both be there.
+    /// Checks that no two wires are closer than their eyelets are wide.
     fn check_overlap(&self, source: &Source) -> Result<(), FileError> {
         for (index, [x, y]) in self.wires_mm.iter().enumerate() {
             let near = |[u, v]: &[f64; 2]| libm::hypot(x - u, y - v) < EYELET_MM;

@@ -1,8 +1,7 @@
-//! Every file of a user: scenes, benches, layouts, limit tables, wires, persons; and how any file is read.
+//! Files of a user: scenes, benches, layouts, limit tables, wires, persons; and the reading of any file.
 //!
-//! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
-//! expected and what was found. What the core has a type for is of that type. Nothing here knows a bus, a clock or
-//! the loop.
+//! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, the expectation and
+//! the finding. A value for which the core has a type is of that type. Nothing here knows a bus, a clock or the loop.
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Limit tables: rows that may tighten what the guard enforces, and never loosen it.
+//! Limit tables: rows that may tighten the guard's limits, and never loosen them.
 
 use palpate_core::guard::{HARD, Limits};
 use palpate_core::units::Duration;
@@ -8,7 +8,7 @@ use super::error::FileError;
 use super::settings::settings;
 use super::source::Source;
 
-settings! { /** One pulse; full-on is refused whatever stands here. */ struct Pulse {
+settings! { /** One pulse; full-on is refused whatever the file states. */ struct Pulse {
 /** Longest pulse in microseconds. */ width_us: f64 = HARD.pulse_width_ns as f64 / 1e3 } }
 settings! { /** One burst on one wire. */ struct Burst {
 /** Longest burst in milliseconds. */ length_ms: f64 = HARD.burst.as_micros() as f64 / 1e3,
@@ -23,14 +23,14 @@ settings! { /** Mean electrical power of all fingertips of one hand, which share
 /** Milliwatts over sixty seconds. */ over_60s_mw: f64 = HARD.hand_60s_uw as f64 / 1e3 } }
 settings! { /** Modelled skin temperature. */ struct Skin {
 /** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c: f64 = HARD.skin_mean_mc as f64 / 1e3,
-/** At any time at 0.1 mm in degrees Celsius. */ peak_c: f64 = HARD.skin_peak_mc as f64 / 1e3,
-/** At any time at 0.4 mm in degrees Celsius. */ deep_c: f64 = HARD.skin_deep_mc as f64 / 1e3 } }
+/** Peak at any time at 0.1 mm in degrees Celsius. */ peak_c: f64 = HARD.skin_peak_mc as f64 / 1e3,
+/** Peak at any time at 0.4 mm in degrees Celsius. */ deep_c: f64 = HARD.skin_deep_mc as f64 / 1e3 } }
 settings! { /** Dose over a session. */ struct Dose {
 /** Henriques' damage integral, kept below this. */ henriques_omega: f64 = HARD.dose_omega_ppm as f64 / 1e6,
 /** Cumulative equivalent minutes at 43 degrees Celsius, kept below this. */
 cem43_min: f64 = HARD.dose_cem43_ms as f64 / 60e3 } }
 settings! { /** Outputs off on stale input, a late tick or a lost link. */ struct Watchdog {
-/** Within this many milliseconds. */ off_within_ms: f64 = HARD.stale.as_micros() as f64 / 1e3 } }
+/** Longest time until the outputs are off, milliseconds. */ off_within_ms: f64 = HARD.stale.as_micros() as f64 / 1e3 } }
 
 /// A limit table, in the units its keys name.
 #[derive(Default, Deserialize)]
@@ -38,9 +38,9 @@ settings! { /** Outputs off on stale input, a late tick or a lost link. */ struc
 #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Limiting {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     name: String,
-    /// What it is for, in a sentence.
+    /// The purpose of the table, in a sentence.
     description: String,
     /// One pulse.
     pulse: Pulse,
@@ -61,7 +61,7 @@ pub(super) struct Limiting {
 }
 
 impl Limiting {
-    /// Every row: its key, its value, and what the value has to be above.
+    /// Every row: its key, its value, and the bound that the value must exceed.
     fn rows(&self) -> [(&'static str, f64, f64); 14] {
         // A skin limit at or below the 33 C of resting skin could never be met.
         const REST: f64 = 33.0;
@@ -84,7 +84,7 @@ impl Limiting {
         ]
     }
 
-    /// The same in the guard's integers. The supply's limit is a bench's to state.
+    /// Returns the limits in the guard's integers. The supply's limit is a bench's to state.
     fn limits(&self) -> Limits {
         let scaled = |value: f64, scale: f64| (value * scale).round() as u64;
         Limits {
@@ -111,11 +111,11 @@ impl Limiting {
 /// A limit table that was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LimitTable {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is for, in a sentence.
+    /// The purpose of the table, in a sentence.
     pub description: String,
-    /// Its rows; the supply's is a bench's to state.
+    /// Rows of the table; a bench states the supply's.
     pub limits: Limits,
 }
 

@@ -18,12 +18,12 @@ use super::source::Source;
 use super::texture::TextureTable;
 use super::wire::{AlloyFile, WireFile};
 
-/// What was read, beside its text: later checks name a line with [`Source::bad`].
+/// A value with the text that it was read from: later checks name a line with [`Source::bad`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded<T> {
-    /// What the file says.
+    /// The value.
     pub value: T,
-    /// Where it says so.
+    /// The text that states it.
     pub source: Source,
 }
 
@@ -31,7 +31,7 @@ impl Loaded<Scene> {
     /// The scene read again with these changes.
     ///
     /// # Errors
-    /// Names the option and key of what cannot be.
+    /// Names the option and key of a value that is refused.
     pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
         Self::read(self.source.with(overrides.of_scene(&self.value)))
     }
@@ -45,7 +45,7 @@ pub trait Settings: Sized {
     /// Reads and checks a file of this kind.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     fn of(source: &Source) -> Result<Self, FileError>;
 }
 
@@ -64,7 +64,7 @@ macro_rules! files {
             #[doc = concat!($noun, " by name or path.")]
             ///
             /// # Errors
-            /// An unknown name, or what cannot be in the file.
+            /// An unknown name, or a value of the file that is refused.
             pub fn $load(name: &str) -> Result<Loaded<$type>, FileError> {
                 Loaded::named(name)
             }
@@ -87,10 +87,10 @@ files! {
 }
 
 impl<T: Settings> Loaded<T> {
-    /// Reads a text, and keeps the text beside what it says.
+    /// Reads a text, and keeps it beside its value.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: Source) -> Result<Self, FileError> {
         let value = T::of(&source).map_err(|error| match cfg!(target_family = "wasm") {
             // Nobody types keys in a browser's page, and the schemas weigh 24 kB with gzip.
@@ -100,14 +100,14 @@ impl<T: Settings> Loaded<T> {
         Ok(Self { value, source })
     }
 
-    /// The file of a name or path.
+    /// Reads the file of a name or path.
     pub(super) fn named(name: &str) -> Result<Self, FileError> {
         Self::read(resolve(T::KIND, name)?)
     }
 }
 
-/// An unknown key's error with the place where such a key stands, if it is not where it was written: deeper in the same file,
-/// or in the other of scene and bench.
+/// Improves an unknown key's error with the place where such a key stands, if that is another: deeper in the same
+/// file, or in the other one of scene and bench.
 fn elsewhere(kind: FileKind, error: FileError) -> FileError {
     let unknown = error.found.strip_prefix("the unknown key `");
     let Some(word) = unknown.and_then(|rest| Some(rest.split_once('`')?.0)) else {
@@ -139,7 +139,7 @@ fn elsewhere(kind: FileKind, error: FileError) -> FileError {
         (Some(key), _) => asked(&format!("{own}{key}")),
         (None, Some((option, ..))) if is_option => asked(&option),
         (None, Some((_, key, noun))) => format!("the unknown key `{word}`; {noun} has `{key}`"),
-        // What is near among the keys of its own table was said.
+        // The error has named the near keys of its own table.
         (None, None) if error.found.contains("did you mean") => return error,
         (None, None) => match near() {
             Some(key) => asked(&format!("{own}{key}")),
@@ -150,17 +150,17 @@ fn elsewhere(kind: FileKind, error: FileError) -> FileError {
 }
 
 impl<T> Loaded<T> {
-    /// The file that stands under `key` of this one.
+    /// Reads the file that stands under `key` of this one.
     pub(super) fn refer<U: Settings>(&self, name: &str, key: &str) -> Result<Loaded<U>, FileError> {
         Loaded::read(resolve_from(U::KIND, name, &self.source, key)?)
     }
 }
 
 impl Loaded<Protocol> {
-    /// The scene of a condition, by its place among them, with its changes; `None` where nothing is played.
+    /// The scene of a condition, by its place among them, with its changes; `None` where the condition plays none.
     ///
     /// # Errors
-    /// An unknown name, or what cannot be in the scene.
+    /// An unknown name, or a value of the scene that is refused.
     pub fn scene(&self, condition: usize) -> Result<Option<Loaded<Scene>>, FileError> {
         let named = self.value.conditions.get(condition);
         let Some((condition, name)) = named.and_then(|c| Some((c, c.scene.as_ref()?))) else {
@@ -174,7 +174,7 @@ impl Loaded<Protocol> {
 }
 
 impl Loaded<Bench> {
-    /// The file of the key of its unit: a relative name starts at the folder of the bench's file.
+    /// The key file of the bench's unit: a relative name starts at the folder of the bench's file.
     #[must_use]
     pub fn unit_key(&self) -> Option<PathBuf> {
         let name = self.value.unit.as_ref()?.key.as_ref()?;

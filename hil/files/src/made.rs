@@ -1,28 +1,28 @@
-//! Text of a table that is made of another format, as it is read.
+//! Text of a table that is made from another format while it is read.
 
 use std::io::{self, Read};
 
 use super::error::FileError;
 
-/// Text that is made at once, bytes.
+/// Bytes of text that are made at once.
 const CHUNK: usize = 1 << 16;
 
-/// What makes the lines of a table.
+/// Maker of the lines of a table.
 pub(super) trait Lines {
     /// Adds the next line, or lines; false at the end.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The defect of the file.
     fn add(&mut self, text: &mut Vec<u8>) -> Result<bool, FileError>;
 }
 
-/// Reads lines that are made meanwhile.
+/// Reader of lines that are made meanwhile.
 #[derive(Debug)]
 pub(super) struct Made<L> {
     lines: L,
     text: Vec<u8>,
     taken: usize,
-    /// An error behind lines that are read first.
+    /// Error behind lines that are read first.
     wrong: Option<FileError>,
 }
 

@@ -1,4 +1,5 @@
-//! Settings files of earlier versions: keys that went are commented out, and everything else stays as it was written.
+//! Settings files of earlier versions: keys that are gone become comments, and all other lines stay as they were
+//! written.
 
 use super::check::kind_of;
 use super::error::FileError;
@@ -6,11 +7,11 @@ use super::resolve::FileKind;
 use super::source::Source;
 use super::wire::WireState;
 
-/// A key that is no longer one.
+/// A key that is gone.
 struct Gone {
     kind: FileKind,
     key: &'static str,
-    /// Values with which it went; empty: all.
+    /// Values with which it is gone; empty: all.
     values: &'static [&'static str],
     why: &'static str,
 }
@@ -35,7 +36,7 @@ const GONE: [Gone; 2] = [
 pub struct Migrated {
     /// The text.
     pub text: String,
-    /// What was changed: line, key and reason.
+    /// Changes made: line, key and reason.
     pub changes: Vec<String>,
 }
 
@@ -125,7 +126,7 @@ fn state_of_sag(
     Ok(())
 }
 
-/// The text without a key, and its line: as a comment where it has lines of its own, cut out of an inline table.
+/// The text without a key, and the key's line: a comment where it has lines of its own, cut out of an inline table.
 fn without(source: &Source, gone: &Gone) -> (usize, String) {
     let (mut section, mut first, mut out) = (String::new(), 0, String::new());
     for (number, line) in source.text().split_inclusive('\n').enumerate() {

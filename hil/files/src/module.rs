@@ -19,13 +19,13 @@ const TAXELS_PER_MTB: usize = 192;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SkinModule {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
     /// A regular grid around the module's centre; or `hex` or `points_mm`.
     pub grid: Option<Grid>,
     /// Hexagonal cells around the module's centre: every other row is half a pitch to the right.
     pub hex: Option<Grid>,
-    /// Any places; or `grid` or `hex`.
+    /// Places of taxels, mm; or `grid` or `hex`.
     pub points_mm: Option<Vec<[f64; 2]>>,
     /// Copies of this module side by side, `-1` to `-n` after its name; left out: itself alone.
     pub repeat: Option<Repeat>,
@@ -34,10 +34,10 @@ pub struct SkinModule {
     pub inactive: Vec<usize>,
     /// The image cell of the module's top left read taxel; every grid row is packed to the left.
     pub image: Option<ImageCell>,
-    /// The module's centre in the whole skin's plane.
+    /// Centre of the module in the whole skin's plane, mm.
     #[serde(default)]
     pub place_mm: [f64; 2],
-    /// The bus its boards are on; with `boards`.
+    /// The bus of its boards; with `boards`.
     pub bus: Option<u8>,
     /// Board addresses, 16 read taxels each, in order; one for up to 192 taxels of a capacitive skin. Left out: no
     /// bus carries it.
@@ -50,11 +50,11 @@ pub struct SkinModule {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// From top to bottom.
+    /// Number of rows, from top to bottom.
     pub rows: usize,
-    /// From left to right.
+    /// Number of columns, from left to right.
     pub columns: usize,
-    /// Between neighbours, both ways.
+    /// Distance between neighbours, both ways, mm.
     pub pitch_mm: f64,
 }
 
@@ -63,11 +63,11 @@ pub struct Grid {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Repeat {
-    /// From top to bottom.
+    /// Number of rows, from top to bottom.
     pub rows: usize,
-    /// From left to right.
+    /// Number of columns, from left to right.
     pub columns: usize,
-    /// From a copy's centre to the next one's, to the right and down.
+    /// Distance from a copy's centre to the next one's, to the right and down, mm.
     pub step_mm: [f64; 2],
 }
 
@@ -76,22 +76,22 @@ pub struct Repeat {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ImageCell {
-    /// From the top, counted from zero.
+    /// Row from the top, counted from zero.
     pub row: usize,
-    /// From the left, counted from zero.
+    /// Column from the left, counted from zero.
     pub column: usize,
 }
 
 /// One taxel of a module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taxel {
-    /// To the right of the module's centre.
+    /// Distance to the right of the module's centre, mm.
     pub x_mm: f64,
-    /// Up from the module's centre.
+    /// Distance up from the module's centre, mm.
     pub y_mm: f64,
-    /// Whether it is read at all.
+    /// True if the taxel is read at all.
     pub active: bool,
-    /// Its (row, column) in the skin's image.
+    /// The taxel's (row, column) in the skin's image.
     pub image: Option<(usize, usize)>,
 }
 
@@ -120,13 +120,13 @@ impl SkinModule {
         taxels
     }
 
-    /// How many taxels are read.
+    /// Number of taxels that are read.
     #[must_use]
     pub fn readings(&self) -> usize {
         self.places().len().saturating_sub(self.inactive.len())
     }
 
-    /// From a taxel to the nearest other one, mm; `None` for a single taxel.
+    /// Distance from a taxel to the nearest other one, mm; `None` for a single taxel.
     #[must_use]
     pub fn pitch_mm(&self) -> Option<f64> {
         if let Some(grid) = self.grid.or(self.hex) {
@@ -137,7 +137,7 @@ impl SkinModule {
         let mut least = f64::INFINITY;
         for (index, [x, y]) in places.iter().enumerate() {
             for other in &places[index + 1..] {
-                // Those further right than the least so far cannot be nearer.
+                // Taxels further right than the least distance so far cannot be nearer.
                 if other[0] - x >= least {
                     break;
                 }
@@ -307,7 +307,7 @@ impl Grid {
     }
 }
 
-/// A list of places: a sensible number of them, in range, no two the same.
+/// Checks a list of places: a sensible number of them, in range, no two the same.
 pub(super) fn places(
     source: &Source,
     key: &str,

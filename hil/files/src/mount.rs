@@ -1,4 +1,4 @@
-//! How a bench's wires sit on the finger, and the finger itself.
+//! The seat of a bench's wires on the finger, and the finger itself.
 
 use palpate_core::guard::WornWire;
 use palpate_core::physics::{DEEPEST, Ends, Mount, TissueParameters};
@@ -14,7 +14,7 @@ settings! {
     pub struct BenchMount {
         /// Height of the bow over the straight line between both crimps, micrometres.
         pub sag_um: f64 = 170.0,
-        /// How the crimps hold the wire.
+        /// The mounting of the wire's ends in the crimps.
         #[serde(with = "words::Ends")]
         pub ends: Ends = Ends::Clamped,
         /// Force with which a wire lies on the skin at rest, mN.
@@ -30,13 +30,13 @@ settings! {
         pub modulus_kpa: f64 = 100.0,
         /// Width of the strip on which wire and skin touch, micrometres.
         pub contact_um: f64 = 60.0,
-        /// The finger at rest, degrees C: the warmest that it may be. The guard counts from here.
+        /// Temperature of the finger at rest, degrees C: the warmest that it may be. The guard counts from here.
         pub rest_c: f64 = 33.0,
     }
 }
 
 impl BenchMount {
-    /// Whether a wire of this length can have such a bow.
+    /// Checks that a wire of this length can have such a bow.
     ///
     /// # Errors
     /// Names key and range.
@@ -45,7 +45,7 @@ impl BenchMount {
         bounds!(source, "mount", self; sag_um: 1.0..=deepest, "um, a fifth of the wire's length")
     }
 
-    /// As the model takes it.
+    /// Parameters of the model's mount.
     #[must_use]
     pub fn parameters(&self) -> Mount {
         Mount {
@@ -66,7 +66,7 @@ impl BenchTissue {
             rest_c: celsius(coldest)..=celsius(warmest), "C: the guard has rows of heat for no other finger")
     }
 
-    /// As the model takes it.
+    /// Parameters of the model's tissue.
     #[must_use]
     pub fn parameters(&self) -> TissueParameters {
         TissueParameters {

@@ -1,10 +1,10 @@
-//! What a mistyped word was meant to be.
+//! Nearest known name to a mistyped word.
 
 /// The nearest of `names` to a word, if one is near enough to be meant: a letter in three may differ, and a unit at
 /// the end may be missing.
 #[must_use]
 pub fn nearest<'n>(word: &str, names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
-    // Every file ends alike: that says nothing.
+    // Every name ends alike, which tells nothing.
     let plain = |text: &str| {
         let stem = text.strip_suffix(".toml").unwrap_or(text);
         stem.to_lowercase().replace('_', "-")

@@ -1,7 +1,7 @@
 //! JSON Lines read as the text of a table: the numbers of the first object are the columns.
 //!
-//! A column is called by its keys and places in lists, `1.data.0`. A text of hexadecimal numbers between commas is a list,
-//! as `xela_server` sends them.
+//! A column is named by its keys and places in lists, `1.data.0`. A text of hexadecimal numbers between commas is a
+//! list, as `xela_server` sends them.
 
 use std::io::{BufRead, BufReader, Read};
 
@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::error::FileError;
 use super::made::Lines;
 
-/// An object with fewer numbers is no row: greetings and settings come before the first one.
+/// Least numbers of a row: greetings and settings come before the first one, and have fewer.
 const LEAST: usize = 4;
 /// Longest line, bytes.
 const LONGEST: u64 = 8 << 20;
@@ -21,7 +21,7 @@ pub(super) struct Objects<R> {
     label: String,
     input: BufReader<R>,
     line: usize,
-    /// The names of the columns, once they are known.
+    /// Names of the columns, once they are known.
     names: Vec<String>,
 }
 

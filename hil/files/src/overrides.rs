@@ -1,4 +1,4 @@
-//! Values in place of a scene's or bench's own, checked as if the files said so.
+//! Values in place of a scene's or bench's own, checked as if the files stated them.
 
 use std::fmt::Display;
 
@@ -25,7 +25,7 @@ impl Overrides {
         self.scene.push(change(by, key, value));
     }
 
-    /// The same for the bench.
+    /// Adds a change to the bench.
     pub fn bench(&mut self, by: &str, key: &str, value: impl Display) {
         let value = Some(value.to_string());
         self.bench.push(change(by, key, value));
@@ -47,14 +47,14 @@ impl Overrides {
         Ok(())
     }
 
-    /// The scene's changes, behind what they make meaningless in a file.
+    /// The scene's changes, behind those that remove keys which they make meaningless in a file.
     pub(super) fn of_scene(&self, file: &Scene) -> Vec<Change> {
         let last = |key: &str| self.scene.iter().rfind(|change| change.key == key);
         let mut dropped = Vec::new();
         let name = file.illusion.model.name();
         let other = |change: &&Change| change.value.as_deref().map(unquoted) != Some(name);
         if let Some(model) = last("illusion.model").filter(other) {
-            // They were meant for the file's own model.
+            // The file stated those keys for its own model.
             let keys = [
                 "illusion.shape",
                 "illusion.distances",

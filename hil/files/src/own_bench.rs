@@ -1,4 +1,4 @@
-//! The bench that ships with what a scene wants, and what another bench lacks of it.
+//! The bench that ships with the things that a scene wants, and the things that another bench lacks.
 
 use super::bench::Bench;
 use super::error::FileError;
@@ -10,7 +10,7 @@ use super::wants::capability;
 pub const DEFAULT_BENCH: &str = "emulated";
 
 impl Scene {
-    /// The bench that ships with what the scene wants; the default one where it wants nothing.
+    /// The bench that ships with the thing that the scene wants; the default one where it wants none.
     #[must_use]
     pub fn own_bench(&self) -> &str {
         let Some(wanted) = &self.wants else {
@@ -19,7 +19,7 @@ impl Scene {
         let Some(of) = capability(wanted) else {
             return wanted;
         };
-        // Of several that have it, the one whose displays are the scene's.
+        // Several may have it: the one whose displays are the scene's counts.
         let fits =
             |name: &&str| load_bench(name).is_ok_and(|bench| self.has_displays(&bench.value));
         let mut benches = std::iter::once(of.bench).chain(palpate_fixtures::bench_names());
@@ -29,7 +29,7 @@ impl Scene {
         }
     }
 
-    /// Whether every finger's display is on a bench.
+    /// Returns true if every finger's display is on a bench.
     fn has_displays(&self, bench: &Bench) -> bool {
         let named = |name: &str| bench.displays.iter().any(|display| display.name == name);
         self.fingers.iter().all(|finger| named(&finger.display))
@@ -47,7 +47,7 @@ impl Scene {
 }
 
 impl Loaded<Scene> {
-    /// Refuses a bench without what the scene wants.
+    /// Refuses a bench that lacks the thing that the scene wants.
     pub(super) fn fits_bench(&self, bench: &Bench) -> Result<(), FileError> {
         let Some(missing) = self.value.misses(bench) else {
             return Ok(());

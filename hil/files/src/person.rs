@@ -1,4 +1,4 @@
-//! The two files about a person, which are not each other's: what the loop is told of its wearer, and the emulated person
+//! Two independent files about a person: the calibration of the wearer, which the loop reads, and the emulated person
 //! who feels the result.
 
 use serde::Deserialize;
@@ -10,16 +10,16 @@ use super::source::Source;
 /// The largest threshold that a file may state, um.
 const MOST_UM: f64 = 1e3;
 
-/// A person's value, and where nine of ten people lie.
+/// A person's value, and the range of nine in ten people.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
-    /// This person's.
+    /// Value of this person.
     pub value: f64,
-    /// One of twenty people is below.
+    /// Value that one in twenty people is below.
     pub low: f64,
-    /// One of twenty people is above.
+    /// Value that one in twenty people is above.
     pub high: f64,
 }
 
@@ -37,10 +37,10 @@ impl Spread {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FeltChannel {
-    /// Displacement that is just felt, um: of `vibration` the amplitude of a long sine at 250 Hz, of `flutter` the peak of
-    /// the filtered displacement.
+    /// Displacement that is just felt, um: for `vibration` the amplitude of a long sine at 250 Hz, for `flutter` the
+    /// peak of the filtered displacement.
     pub threshold_um: Spread,
-    /// Exponent by which what is felt grows with the displacement.
+    /// Exponent by which the sensation grows with the displacement.
     pub growth: Spread,
 }
 
@@ -53,16 +53,16 @@ impl FeltChannel {
     }
 }
 
-/// The emulated person: what of the wires' motion is felt.
+/// The emulated person, who feels a part of the wires' motion.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PersonFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// Who, in a sentence.
+    /// The person, in a sentence.
     pub description: String,
-    /// Which values are fitted or assumed; reports flag it.
+    /// The values that are fitted or assumed; reports flag it.
     pub assumed: Option<String>,
     /// The Pacinian channel, best at 250 Hz.
     pub vibration: FeltChannel,
@@ -74,7 +74,7 @@ impl PersonFile {
     /// Reads and checks a person.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
@@ -89,22 +89,23 @@ impl PersonFile {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Wearer {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// Who, in a sentence.
+    /// The wearer, in a sentence.
     pub description: String,
     /// The part of full drive at which this wire feels as strong as the weakest one at full drive.
     pub gain: Vec<f64>,
     /// The part of full drive at which this person begins to feel the wire.
     pub threshold: Vec<f64>,
-    /// Where the gain of each wire lies, low and high, with 95 % of what is held for possible; the loop does not read it.
+    /// Interval of each wire's gain, low and high, that holds 95 % of what is held for possible; the loop does not
+    /// read it.
     pub gain_interval: Option<Vec<[f64; 2]>>,
-    /// The same of each threshold.
+    /// Interval of each wire's threshold, low and high, with 95 % of what is held for possible.
     pub threshold_interval: Option<Vec<[f64; 2]>>,
-    /// Displacement that this wearer just feels as vibration, um: the amplitude of a long sine at 250 Hz. Left out: that
-    /// of the person `typical`. What `level_db` of a scene counts from.
+    /// Displacement that this wearer just feels as vibration, um: the amplitude of a long sine at 250 Hz. `level_db`
+    /// of a scene counts from it. Left out: that of the person `typical`.
     pub vibration_um: Option<f64>,
-    /// The same as flutter or tap: the peak of the filtered displacement, um.
+    /// Displacement that this wearer just feels as flutter or tap, um: the peak of the filtered displacement.
     pub flutter_um: Option<f64>,
 }
 
@@ -112,7 +113,7 @@ impl Wearer {
     /// Reads and checks a calibration by itself; [`crate::Setup`] checks it against the display.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;

@@ -67,7 +67,7 @@ pub(super) fn placeholders(schema: &Value, key: &str) -> Vec<String> {
         .collect()
 }
 
-/// The schema of what lies in a table or an array.
+/// The schema of a step into a table or an array.
 fn inside<'s>(shape: &'s Value, step: &Step<'_>) -> Option<&'s Value> {
     match step {
         Step::Key(name) => shape["properties"].get(name),
@@ -75,7 +75,7 @@ fn inside<'s>(shape: &'s Value, step: &Step<'_>) -> Option<&'s Value> {
     }
 }
 
-/// What a schema says of a value: itself, what it refers to, or its choices.
+/// Schemas that describe a value: its own, the one that it refers to, or its choices.
 fn shapes<'s>(root: &'s Value, here: &'s Value) -> Vec<&'s Value> {
     let name = |at: &'s Value| at["$ref"].as_str().and_then(|r| r.rsplit('/').next());
     let follow = |at: &'s Value| name(at).map_or(at, |name| &root["$defs"][name]);
@@ -128,7 +128,7 @@ fn examples(root: &Value, here: &Value, deep: usize) -> Vec<String> {
     texts.iter().map(|&text| text.to_owned()).collect()
 }
 
-/// A table with what it must have.
+/// A table with the keys that it must have.
 fn table(root: &Value, here: &Value, deep: usize) -> Option<String> {
     let required = here["required"].as_array().into_iter().flatten();
     let mut entries = Vec::new();

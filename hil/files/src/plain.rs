@@ -1,7 +1,7 @@
-//! The plain values of a file as its types read them, and the key at which that stopped.
+//! Plain values of a file as its types read them, and the key at which reading stopped.
 //!
-//! A reader of serde's is compiled once for every type, so what does not depend on the type stands here in functions
-//! that are not generic. A list is no table, and a table no word, whatever else serde could make of them.
+//! A reader of serde's is compiled once for every type, so the code that does not depend on the type stands here in
+//! functions that are not generic. A list is no table, and a table no word, whatever else serde could make of them.
 
 use std::cell::RefCell;
 use std::fmt::Write;
@@ -16,20 +16,20 @@ use toml::{Table, Value};
 
 use super::wording::Misfit;
 
-/// A type from a value; else the key of what does not fit, and what was expected.
+/// Reads a type from a value; else returns the key of a misfit, and the expectation there.
 pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Result<T, (String, Misfit)> {
     let key = RefCell::new(String::new());
     let read = T::deserialize(At { value, key: &key });
     read.map_err(|misfit| (key.into_inner(), misfit))
 }
 
-/// The plain values of a text; else the key of a number that no machine holds, and what was expected there.
+/// Plain values of a text; else the key of a number that no machine holds, and the expectation there.
 pub(super) fn table(parsed: &DeTable<'_>) -> Result<Table, (String, &'static str)> {
     let mut key = String::new();
     entries(&mut key, parsed).map_err(|expected| (key, expected))
 }
 
-// Where the key leads is left as it is when something does not fit there: that is the key of the error.
+// The key stays as it is at a misfit, because it is the key of the error.
 
 fn entries(key: &mut String, parsed: &DeTable<'_>) -> Result<Table, &'static str> {
     let mut table = Table::new();
@@ -79,12 +79,12 @@ fn enter(key: &mut String, name: &str) -> usize {
 
 fn enter_item(key: &mut String, index: usize) -> usize {
     let outer = key.len();
-    // A string takes whatever is written.
+    // A string takes any key.
     let _ = write!(key, "[{index}]");
     outer
 }
 
-/// A value, and the key that is read now.
+/// A value, and the key under way.
 #[derive(Clone, Copy)]
 struct At<'v> {
     value: &'v Value,
@@ -126,7 +126,7 @@ struct Items<'v> {
 }
 
 impl<'v> Items<'v> {
-    /// The next one, and what leads back from it.
+    /// The next item, and the length that leads back from it.
     fn next(&mut self) -> Option<(At<'v>, usize)> {
         let value = self.all.get(self.taken)?;
         let outer = enter_item(&mut self.key.borrow_mut(), self.taken);
@@ -177,7 +177,7 @@ impl<'v> Entries<'v> {
         Some(StrDeserializer::new(name))
     }
 
-    /// The value of the key that was taken last, and what leads back from it.
+    /// The value of the key that was taken last, and the length that leads back from it.
     fn value(&mut self) -> Result<(At<'v>, usize), Misfit> {
         let here = self.here.take();
         let (name, value) = here.ok_or_else(|| Error::custom("a value before its key"))?;
@@ -205,7 +205,7 @@ impl<'de> MapAccess<'de> for Entries<'_> {
     }
 }
 
-/// Numbers of every width are read alike: the type says what it has room for.
+/// Reads numbers of every width alike: the type knows its own range.
 macro_rules! numbers {
     ($($method:ident)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
@@ -290,7 +290,7 @@ impl<'de> Deserializer<'de> for At<'_> {
         visitor.visit_enum(StrDeserializer::new(word))
     }
 
-    /// For types that take whatever there is, such as a choice that a tag among other keys makes.
+    /// Serves types that take whatever there is, such as a choice that a tag among other keys makes.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
         match self.value {
             Value::Boolean(_) => self.deserialize_bool(visitor),

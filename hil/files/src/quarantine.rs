@@ -16,7 +16,7 @@ pub struct Quarantine {
     pub quarantine: Vec<Quarantined>,
 }
 
-/// One of them.
+/// Trial that may fail.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -25,15 +25,15 @@ pub struct Quarantined {
     pub trial: String,
     /// The bench's name; left out: every bench.
     pub bench: Option<String>,
-    /// Why it fails, and who knows more.
+    /// The reason for which it fails, and the person who knows more.
     pub reason: String,
 }
 
 impl Quarantine {
-    /// Reads and checks a file; `trials` are all there are.
+    /// Reads and checks a file; `trials` are all trials that exist.
     ///
     /// # Errors
-    /// Names the line of a trial that is none, or that has no reason.
+    /// Names the line of a trial that does not exist, or that has no reason.
     pub fn read(source: &Source, trials: &[String]) -> Result<Self, FileError> {
         let list = Self::alone(source)?;
         for (index, entry) in list.quarantine.iter().enumerate() {
@@ -48,7 +48,7 @@ impl Quarantine {
         Ok(list)
     }
 
-    /// Reads a file where nothing says which trials there are.
+    /// Reads a file where the existing trials are unknown.
     pub(super) fn alone(source: &Source) -> Result<Self, FileError> {
         let list: Self = source.read()?;
         for (index, entry) in list.quarantine.iter().enumerate() {
@@ -59,7 +59,7 @@ impl Quarantine {
         Ok(list)
     }
 
-    /// Why a trial may fail on a bench; `None` where it may not.
+    /// The reason for which a trial may fail on a bench; `None` where it may not.
     pub fn reason(&self, trial: &str, bench: &str) -> Option<&str> {
         let here = |q: &&Quarantined| q.bench.as_deref().is_none_or(|b| b == bench);
         let entry = self

@@ -1,7 +1,7 @@
 //! Files opened to be read: ordinary ones or streams of this program, whole within a bound or line by line.
 //!
-//! Every reader of a user's file begins here. What never ends, waits for a writer or holds no text is refused before
-//! it takes memory or time.
+//! Every reader of a user's file begins here. A file that never ends, waits for a writer or holds no text is refused
+//! before it takes memory or time.
 
 use std::fmt;
 use std::fs::File;
@@ -20,7 +20,7 @@ pub const LONGEST_LINE: usize = 1 << 20;
 pub const MOST_VALUES: usize = 40 << 20;
 /// Longest run of NUL bytes that counts as the tail of a power cut.
 const MOST_NULS: u64 = 64 << 20;
-/// So much of a file tells its format.
+/// Bytes at the start of a file that tell its format.
 const START: usize = 4096;
 
 /// Opens an ordinary file, or a stream that this program was started with (`/dev/stdin`, `<(...)` of a shell).
@@ -66,7 +66,7 @@ pub fn entries(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     Ok(paths)
 }
 
-/// Whether a path names an open stream of this program.
+/// Returns true if a path names an open stream of this program.
 #[must_use]
 pub fn is_stream(path: &Path) -> bool {
     [
@@ -92,10 +92,10 @@ fn is_device(_there: &std::fs::Metadata) -> bool {
     false
 }
 
-/// A whole file of at most `most` bytes.
+/// Reads a whole file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`open`], and a file that is longer.
+/// The errors of [`open`], and a file that is longer.
 pub fn read_bytes(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>, FileError> {
     let label = path.display().to_string();
     let file = open(path, expected)?;
@@ -117,10 +117,10 @@ pub fn read_bytes(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>, Fil
     Ok(bytes)
 }
 
-/// A whole text of at most `most` bytes.
+/// Reads a whole text of at most `most` bytes.
 ///
 /// # Errors
-/// As [`read_bytes`], and the line of the first byte that is no UTF-8.
+/// The errors of [`read_bytes`], and the line of the first byte that is no UTF-8.
 pub fn read_text(path: &Path, expected: &str, most: u64) -> Result<String, FileError> {
     let bytes = read_bytes(path, expected, most)?;
     let label = path.display().to_string();
@@ -141,8 +141,8 @@ pub fn read_text(path: &Path, expected: &str, most: u64) -> Result<String, FileE
     })
 }
 
-/// The format of an ordinary file by its first bytes; none of a stream, which can be read only once, and of what
-/// cannot be read.
+/// The format of an ordinary file by its first bytes; none for a stream, which can be read only once, and for a file
+/// that cannot be read.
 #[must_use]
 pub fn format_of(path: &Path) -> Option<Format> {
     if is_stream(path) {
@@ -154,16 +154,16 @@ pub fn format_of(path: &Path) -> Option<Format> {
     Format::of(&start)
 }
 
-/// Bytes of a text as they come, without a byte order mark: no line is longer than allowed, and a tail of NULs, as a power cut leaves one, is
-/// held back with the line it stands in.
+/// Bytes of a text without a byte order mark. No line is longer than allowed, and a tail of NULs, as a power cut
+/// leaves one, is held back with its line.
 pub struct Text<R> {
     label: String,
     input: R,
     longest: usize,
-    /// The line that is being read, from 1, and its length so far.
+    /// The line under way, from 1, and its length so far.
     line: usize,
     length: usize,
-    /// NULs that were held back, and whether anything came before them.
+    /// Number of NULs that were held back, and a flag that text came before them.
     nuls: u64,
     begun: bool,
 }
@@ -181,7 +181,7 @@ impl Text<File> {
     /// Opens a text whose lines have at most `longest` bytes.
     ///
     /// # Errors
-    /// As [`open`].
+    /// The errors of [`open`].
     pub fn open(path: &Path, expected: &str, longest: usize) -> Result<Self, FileError> {
         if let Some(format) = format_of(path).filter(|f| !f.is_text()) {
             let label = path.display().to_string();
@@ -206,7 +206,7 @@ impl<R: Read> Text<R> {
         }
     }
 
-    /// What a note says of a tail of NULs, once the end is reached.
+    /// Note on a tail of NULs, once the end is reached.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         (self.nuls > 0).then(|| {
@@ -224,7 +224,7 @@ impl<R: Read> Text<R> {
         })
     }
 
-    /// Looks at what was read; how many bytes of it are text.
+    /// Checks bytes that were read; returns the number of them that are text.
     fn look(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut text = 0;
         for piece in bytes.split_inclusive(|b| *b == b'\n' || *b == 0) {
@@ -292,7 +292,7 @@ impl<R: Read> Read for Text<R> {
 }
 
 impl FileError {
-    /// What reading a [`Text`] came to: its own refusal, or what the system says.
+    /// The error of reading a [`Text`]: its own refusal, or the system's message.
     #[must_use]
     pub fn of_io(label: &str, expected: &str, error: io::Error) -> Self {
         let own = error.get_ref().and_then(|e| e.downcast_ref::<Self>());
@@ -310,10 +310,10 @@ pub struct Lines<R> {
 }
 
 impl Lines<File> {
-    /// As [`Text::open`].
+    /// Opens the lines of a [`Text::open`].
     ///
     /// # Errors
-    /// As [`open`].
+    /// The errors of [`open`].
     pub fn open(path: &Path, expected: &str, longest: usize) -> Result<Self, FileError> {
         Ok(Self::over(Text::open(path, expected, longest)?))
     }
@@ -329,25 +329,25 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// How errors name the file.
+    /// Name of the file in errors.
     #[must_use]
     pub fn label(&self) -> &str {
         &self.text.get_ref().label
     }
 
-    /// The format of what has not been read yet.
+    /// The format of the text that has not been read yet.
     ///
     /// # Errors
-    /// As [`Lines::advance`].
+    /// The errors of [`Lines::advance`].
     pub fn format(&mut self) -> Result<Option<Format>, FileError> {
         let start = self.text.fill_buf().map(Format::of);
         start.map_err(|e| FileError::of_io(self.label(), "a readable file", e))
     }
 
-    /// The text that is at hand and was not read yet, up to the first byte that is none.
+    /// The text at hand that was not read yet, up to the first byte that is no text.
     ///
     /// # Errors
-    /// As [`Lines::advance`].
+    /// The errors of [`Lines::advance`].
     pub(super) fn start(&mut self) -> Result<&str, FileError> {
         let label = self.text.get_ref().label.clone();
         let start = self.text.fill_buf();
@@ -356,10 +356,10 @@ impl<R: Read> Lines<R> {
         Ok(text.map_or("", |chunk| chunk.valid()))
     }
 
-    /// The next line that holds something and is no remark, as [`Lines::advance`] gives it.
+    /// The next line with content that is no remark, from [`Lines::advance`].
     ///
     /// # Errors
-    /// As [`Lines::advance`].
+    /// The errors of [`Lines::advance`].
     pub(super) fn next_row(&mut self) -> Result<Option<(usize, &str)>, FileError> {
         while self.fetch()? {
             if !is_remark(&self.line) {
@@ -373,7 +373,7 @@ impl<R: Read> Lines<R> {
     /// line that NULs cut short is left out.
     ///
     /// # Errors
-    /// A line that is too long or no UTF-8, NULs before the end, what the system says.
+    /// A line that is too long or no UTF-8, NULs before the end, and the system's error.
     pub fn advance(&mut self) -> Result<Option<(usize, &str)>, FileError> {
         match self.fetch()? {
             true => self.text_of_line().map(Some),
@@ -381,7 +381,7 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// Whether there is a next line; its bytes are in `line`.
+    /// Reads the next line into `line`; false at the end.
     fn fetch(&mut self) -> Result<bool, FileError> {
         self.line.clear();
         let read = self.text.read_until(b'\n', &mut self.line);
@@ -409,13 +409,13 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// Whether the line that was read last has no end: the file may have been cut in it.
+    /// Returns true if the line that was read last has no end: the file may have been cut in it.
     #[must_use]
     pub fn is_unfinished(&self) -> bool {
         !self.line.ends_with(b"\n")
     }
 
-    /// As [`Text::note`].
+    /// Note of the text, [`Text::note`].
     #[must_use]
     pub fn note(&self) -> Option<String> {
         self.text.get_ref().note()

@@ -1,4 +1,4 @@
-//! A name or a path, as the user typed it, to a text.
+//! Resolution of a name or a path, as the user typed it, to a text.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ macro_rules! kinds {
                 match self { $(Self::$kind => $name),+ }
             }
 
-            /// The name of its shelf: that of the folder of the built-in ones.
+            /// The name of the kind's shelf: the folder of the built-in files.
             #[must_use]
             pub const fn folder(self) -> &'static str {
                 match self { $(Self::$kind => $folder),+ }
@@ -53,13 +53,13 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// What touches the skin, and how it is projected.
+    /// Touches of the skin, and their projection.
     Scene = "scene" "scenes" "a scene" scene scene_names,
-    /// Which hardware, emulated or real.
+    /// Hardware, emulated or real.
     Bench = "bench" "benches" "a bench" bench bench_names,
-    /// Where taxels or wires are.
+    /// Places of taxels or wires.
     Layout = "layout" "layouts" "a layout" layout layout_names,
-    /// What the guard enforces.
+    /// Limits that the guard enforces.
     Limits = "limits" "limits" "a limit table" limits limits_names,
     /// The emulated person.
     Person = "person" "persons" "a person" person person_names,
@@ -67,9 +67,9 @@ kinds! {
     Wearer = "wearer" "wearers" "a wearer" wearer wearer_names,
     /// A shape-memory wire.
     Wire = "wire" "wires" "a wire" wire wire_names,
-    /// What it is made of.
+    /// The material of a wire.
     Alloy = "alloy" "alloys" "an alloy" alloy alloy_names,
-    /// From roughness to pulses.
+    /// A map from roughness to pulses.
     Activation = "activation" "activations" "an activation" activation activation_names,
     /// A table of textures.
     Textures = "textures" "textures" "a table of textures" textures textures_names,
@@ -107,7 +107,7 @@ impl FileKind {
     }
 }
 
-/// A built-in name if there is one, else a file.
+/// Resolves a built-in name if there is one, else a file.
 ///
 /// # Errors
 /// An unknown name lists what exists; a file says why it cannot be read.
@@ -123,15 +123,15 @@ pub fn resolve(kind: FileKind, name: &str) -> Result<Source, FileError> {
     })
 }
 
-/// Whether a name is meant as a path: it has a folder or the ending of settings files.
+/// Returns true if a name is meant as a path: it has a folder or the ending of settings files.
 fn is_path(name: &str) -> bool {
     name.contains('/') || name.ends_with(".toml")
 }
 
-/// The same for a name that stands under `key` of another file: relative paths start at that file's folder.
+/// Resolves a name that stands under `key` of another file: relative paths start at that file's folder.
 ///
 /// # Errors
-/// As [`resolve`]; an unknown name is reported at its line in `referrer`.
+/// The errors of [`resolve`]; an unknown name is reported at its line in `referrer`.
 pub fn resolve_from(
     kind: FileKind,
     name: &str,

@@ -18,19 +18,19 @@ use super::objects;
 use super::reading::{LONGEST_LINE, Lines, MOST_VALUES, Text, format_of, open};
 use super::times::{OutOfTime, TimeUnit, Times};
 
-/// What a table is read from.
+/// Bytes that a table is read from.
 pub type Input = Box<dyn Read + Send>;
 
 /// A table, row by row.
 #[derive(Debug)]
 pub struct Rows<R> {
-    /// How errors name the file.
+    /// Name of the file in errors.
     label: String,
     lines: Lines<R>,
     taken: Vec<Taken>,
     clock: Clock,
     times: Times,
-    /// Whether what the times count was stated, and so needs no look.
+    /// True if the unit of the times was stated, and so needs no look.
     stated: bool,
     /// Fields per row.
     width: usize,
@@ -38,12 +38,12 @@ pub struct Rows<R> {
     /// A first line that is data already, and its number.
     pending: Option<(usize, String)>,
     count: usize,
-    /// How columns and times were found, where the file does not say it as ours do.
+    /// Remarks on how columns and times were found, where the file names them in another way than ours do.
     notes: Vec<String>,
     gain: Option<Gain>,
 }
 
-/// Where and when a row stands.
+/// Line and time of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowAt {
     /// Line of the file, from 1.
@@ -60,7 +60,7 @@ impl Rows<Input> {
     pub fn open(path: &Path, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let label = path.display().to_string();
         let count = take.count().unwrap_or(0);
-        // A million taxels have a header of 40 MB.
+        // A header of a million taxels has 40 MB.
         let longest = count.saturating_mul(40).max(LONGEST_LINE);
         let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
         let (input, note): (Input, _) = match format_of(path) {
@@ -87,7 +87,7 @@ impl Rows<Input> {
     }
 }
 
-/// A file of text.
+/// Opens a file of text.
 fn text(path: &Path) -> Result<File, FileError> {
     if let Some(format) = format_of(path).filter(|f| !f.is_text()) {
         let label = path.display().to_string();
@@ -96,14 +96,14 @@ fn text(path: &Path) -> Result<File, FileError> {
     open(path, "a readable file")
 }
 
-/// What a table begins with: remarks, a heading or none, and the first row.
+/// The beginning of a table: remarks, a heading or none, and the first row.
 struct Head {
     line: usize,
     /// The first line that is no remark.
     first: String,
     /// The names of the columns; none where there is no heading.
     names: Option<Vec<String>>,
-    /// Whether the first line is a row.
+    /// True if the first line is a row.
     is_row: bool,
 }
 
@@ -156,10 +156,10 @@ fn head<R: Read>(lines: &mut Lines<R>, fields: &mut Fields) -> Result<Head, File
 }
 
 impl<R: Read> Rows<R> {
-    /// A table from any text.
+    /// Reads a table from any text.
     ///
     /// # Errors
-    /// As [`Rows::open`].
+    /// The errors of [`Rows::open`].
     pub fn over(text: Text<R>, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let mut lines = Lines::over(text);
         let label = lines.label().to_owned();
@@ -178,7 +178,7 @@ impl<R: Read> Rows<R> {
             found,
         };
         let row = fields.split(&head.first);
-        // One field more, an empty one, where each line ends with a separator.
+        // Rows have one more field, an empty one, where each line ends with a separator.
         let width =
             row.count() - usize::from(row.count() > 1 && row.get(row.count() - 1).is_empty());
         let bare: Vec<&str> = row.iter().take(width).collect();
@@ -229,7 +229,7 @@ impl<R: Read> Rows<R> {
         })
     }
 
-    /// The next row: its values in place of those in `values`; none at the end.
+    /// Reads the next row: its values replace those in `values`; none at the end.
     ///
     /// # Errors
     /// The first line that is no row, with its column; a table without a row.
@@ -288,10 +288,10 @@ impl<R: Read> Rows<R> {
         Ok(Some(RowAt { line, time_us }))
     }
 
-    /// All further rows, their values one after another.
+    /// Reads all further rows, their values one after another.
     ///
     /// # Errors
-    /// As [`Rows::advance`], and more than [`MOST_VALUES`].
+    /// The errors of [`Rows::advance`], and more than [`MOST_VALUES`].
     pub fn rest<V: Number>(&mut self) -> Result<Vec<V>, FileError> {
         let (mut all, mut row) = (Vec::new(), Vec::new());
         while let Some(at) = self.advance(&mut row)? {
@@ -303,7 +303,7 @@ impl<R: Read> Rows<R> {
         Ok(all)
     }
 
-    /// What is said of a row that is one too many.
+    /// The error for a row that is one too many.
     #[must_use]
     pub fn too_long(&self, line: usize) -> FileError {
         let expected = format!("at most {} rows", self.count - 1);
@@ -313,7 +313,7 @@ impl<R: Read> Rows<R> {
         }
     }
 
-    /// Refuses numbers that only look like microseconds, once, as soon as it can be told.
+    /// Refuses numbers that only look like microseconds, once, as soon as enough rows tell.
     fn look_at_times(&mut self, ended: bool) -> Result<(), FileError> {
         if self.stated || !(ended || self.times.is_telling()) {
             return Ok(());
@@ -349,7 +349,7 @@ impl<R: Read> Rows<R> {
         self.taken.iter().map(|t| t.name.as_str())
     }
 
-    /// What is to be said of the file, once its end is reached.
+    /// Remarks on the file, once its end is reached.
     pub fn notes(&mut self) -> Vec<String> {
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.times.take_notes());
@@ -379,7 +379,7 @@ fn read_row<V: Number>(
     values: &mut Vec<V>,
 ) -> Result<(), Wrong> {
     for taken in taken {
-        // A row that is too short is told of as such.
+        // The error of a row that is too short names its width.
         if taken.place < row.count() {
             values.push(number(row.get(taken.place), taken, gain)?);
         }

@@ -1,4 +1,4 @@
-//! A scene as it was played, as the text of a scene of its own: changes, and the touches of fingers, in place.
+//! A scene as it was played, as the text of a new scene: changes and the touches of fingers are in place.
 
 use toml::{Table, Value};
 
@@ -8,11 +8,11 @@ use super::scene::Scene;
 use super::touch::Touch;
 
 impl Loaded<Scene> {
-    /// The text of a scene that is this one with all of its changes, `length_s` long, and `fingers` among its touches.
-    /// Its levels are dynamic, as those of a session without an end. What was expected of the scene is left out.
+    /// The text of this scene with all of its changes, `length_s` long, and `fingers` among its touches. Its levels
+    /// are dynamic, as those of a session without an end. The scene's expectations are left out.
     ///
     /// # Errors
-    /// As reading it, which has gone well before.
+    /// The errors of reading the scene, which has succeeded before.
     pub fn saved(&self, length_s: f64, fingers: &[Touch]) -> Result<String, FileError> {
         let whole = |what: &str| FileError::whole(self.source.label(), what, "another text");
         let Value::Table(mut scene) = self.source.value()? else {
@@ -38,7 +38,7 @@ impl Loaded<Scene> {
             .entry("touches")
             .or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(touches) = touches {
-            // An end that was left out was the end of the scene, which is another one now.
+            // A touch without a stated end lasted as long as the scene, which has another length now.
             for (file, touch) in touches.iter_mut().zip(&self.value.touches) {
                 if let Value::Table(file) = file {
                     file.insert("end_s".into(), Value::Float(touch.end_s));

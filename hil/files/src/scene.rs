@@ -1,4 +1,4 @@
-//! Scenes: what touches which skin, and how it is compressed and projected.
+//! Scenes: touches of a skin, their compression and their projection.
 
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::{Axes, ThresholdRule};
@@ -23,42 +23,42 @@ choice! { /** A sensor generation: its values at rest. */ Generation {
     /** X near 48.9k, Y 16.4k, Z 37.4k. */ Y2021 = "2021",
     /** X and Y near 32.8k, Z 37.4k. */ Current = "current",
 }}
-choice! { /** What the contact threshold is found from. */ ThresholdFrom {
+choice! { /** Rules that find the contact threshold. */ ThresholdFrom {
     /** The largest value of the first frame after the reference, for all taxels: the thesis's (4.3). */
     Maximum = "maximum",
     /** Six standard deviations of every taxel's own noise. */ PerTaxel = "per-taxel",
 }}
-choice! { /** What a board does when a scan is due and frames of the last one have not left. */ Overload {
+choice! { /** Reactions of a board to a scan that is due before all frames of the last one have left. */ Overload {
     /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
     /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
 }}
 
-choice! { /** Where intensity levels are found. */ LevelsFrom {
-    /** In the whole input: an emulated or replayed run has a pass more, a real one goes by the scene's touches. */
+choice! { /** Rules that find intensity levels. */ LevelsFrom {
+    /** Levels over the whole input: an emulated or replayed run has a pass more, a real one goes by the scene's touches. */
     Static = "static",
-    /** In every frame anew, among its contacts: the strongest has the top level. */ Dynamic = "dynamic",
+    /** Levels anew in every frame, among its contacts: the strongest has the top level. */ Dynamic = "dynamic",
 }}
 
-/// Standard deviations of a taxel's noise that its own threshold lies above its reference.
+/// Distance of a taxel's own threshold from its reference, standard deviations of its noise.
 pub const THRESHOLD_SIGMAS: f64 = 6.0;
-/// Counts that a recording's thresholds lie above that: fainter differences on real boards are not touch.
+/// Counts added to a recording's thresholds: fainter differences on real boards are no touch.
 pub const THRESHOLD_FLOOR: f64 = 20.0;
 /// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
 pub const DRIFT_S: f64 = 5.0;
 
-/// Rows that make the reference of a recording or stream; it goes on from there as it is followed.
+/// Rows that make the reference of a recording or stream; the reference follows drift from there.
 pub const REFERENCE_ROWS: u32 = 10;
 
 settings! {
     /// A scene. A file states what differs from [`Scene::default`], and its name and description.
     #[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
     pub struct Scene {
-        /// Lower case with hyphens.
+        /// Name, in lower case with hyphens.
         pub name: String,
-        /// What happens, in a sentence.
+        /// The events of the scene, in a sentence.
         pub description: String,
-        /// What the bench must have: `unit` (a driver unit), `warmth` (a Peltier module), `fingers` (several displays), or the
-        /// name of a bench that ships. Left out: nothing but a display.
+        /// The thing that the bench must have: `unit` (a driver unit), `warmth` (a Peltier module), `fingers`
+        /// (several displays), or the name of a bench that ships. Left out: nothing but a display.
         #[cfg_attr(test, schemars(extend("examples" = ["unit", "warmth", "fingers"])))]
         pub wants: Option<String>,
         /// Simulated length in seconds.
@@ -73,17 +73,19 @@ settings! {
         pub noise_lsb: [f64; 2] = [1.0, 2.3],
         /// Contact-free frames that make the reference; the next one makes the threshold.
         pub reference_frames: u32 = 50,
-        /// What the contact threshold is found from.
+        /// The rule that finds the contact threshold.
         pub threshold: ThresholdFrom = ThresholdFrom::PerTaxel,
-        /// Counts added to the threshold.
+        /// Excess of the threshold, counts.
         pub threshold_margin: f64 = 10.0,
-        /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
+        /// Time constant in seconds with which the reference follows a taxel that nothing touches; left out: it
+        /// stays.
         pub drift_s: Option<f64>,
-        /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
+        /// Deviation from the mean of its axis beyond which a taxel is faulty, standard deviations; left out: none
+        /// is.
         pub faulty_deviations: Option<f64>,
-        /// On a bench of one display: the module that drives it, counted from zero.
+        /// The module that drives a bench's only display, counted from zero.
         pub drives: usize = 0,
-        /// On a bench of several displays: the modules of each, in place of `drives`.
+        /// The modules of each of a bench's several displays, in place of `drives`.
         pub fingers: Vec<SceneFinger>,
         /// Angles of joints over time, kept in records; a finger may depend on them. None if left out.
         pub joints: Vec<Joint>,
@@ -91,27 +93,27 @@ settings! {
         pub compression: Compression,
         /// Activations and timing.
         pub illusion: Illusion,
-        /// From skin to display.
+        /// The map from skin to display.
         pub map: Map,
         /// The sensor boards on their buses.
         pub boards: Boards,
         /// The way of readings that another machine takes and sends; left out: boards on buses, where the layout has any.
         pub stream: Option<Stream>,
-        /// What touches the skin; nothing if left out.
+        /// Touches of the skin; none if left out.
         pub touches: Vec<Touch>,
-        /// What is touched is made of, for a bench with a Peltier module; skin at rest where nothing is said.
+        /// Materials of the things touched, for a bench with a Peltier module; skin at rest where none is stated.
         pub materials: Vec<SceneMaterial>,
         /// Strokes over the only display of a bench that are known beforehand; none if left out.
         pub strokes: Vec<SceneStroke>,
         /// The texture that is felt on the only display of a bench; none if left out.
         pub texture: Option<Felt>,
-        /// What goes wrong on an emulated bench; nothing if left out.
+        /// Faults of an emulated bench; none if left out.
         pub faults: Vec<Fault>,
-        /// What a test of this scene checks.
+        /// Expectations that a test of this scene checks.
         pub expect: Expect,
     }
 
-    /// Ten seconds of a flat module that nothing touches, without a name.
+    /// The scene of ten seconds of a flat module that nothing touches, without a name.
     default
 }
 
@@ -121,13 +123,13 @@ settings! {
     pub struct Compression {
         /// Most contacts per frame.
         pub kc: u32 = 1,
-        /// On an emulated skin `kc` grows with the touches that press, up to this.
+        /// Most that `kc` grows to on an emulated skin, with the touches that press.
         pub kc_touches: u32 = 1,
         /// Intensity levels.
         pub ki: u32 = 10,
-        /// Where levels are found.
+        /// The rule that finds levels.
         pub levels: LevelsFrom = LevelsFrom::Static,
-        /// Weight = norm to this power.
+        /// Exponent of the norm in the weight.
         pub weight_exponent: f64 = 2.0,
         /// The weight's norm.
         #[serde(with = "words::Norm")]
@@ -136,7 +138,7 @@ settings! {
         #[serde(with = "words::axes")]
         #[cfg_attr(test, schemars(with = "words::Axes"))]
         pub axes: Axes = Axes::XYZ,
-        /// Where `kc` and `ki` apply.
+        /// The part of the skin over which `kc` and `ki` apply.
         #[serde(with = "words::Scope")]
         pub scope: Scope = Scope::Module,
         /// Most iterations of K-means per frame.
@@ -145,14 +147,14 @@ settings! {
 }
 
 settings! {
-    /// The linear map from skin to display. Contacts outside what it shows are not felt.
+    /// The linear map from skin to display. Contacts outside its rectangle are not felt.
     pub struct Map {
         /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
         pub sensor_mm: Option<[f64; 4]>,
-        /// Width and height of a window that follows what happens on a larger skin and fills the display; left out: it
-        /// stays.
+        /// Width and height, mm, of a window that follows the contacts on a larger skin and fills the display; left
+        /// out: it stays.
         pub window_mm: Option<[f64; 2]>,
-        /// The window moves to a contact outside that is stronger than all inside together by this share.
+        /// Share by which a contact outside must exceed all inside together to move the window.
         pub hysteresis: f64 = 0.25,
         /// The display layout this scene needs; left out: whatever the bench carries.
         pub display: Option<String>,
@@ -172,13 +174,13 @@ impl Compression {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Boards {
-    /// Puts every board on this bus; left out: as the layout says.
+    /// Bus of every board; left out: as the layout states.
     pub bus: Option<u8>,
     /// Boards on an overloaded bus; left out: they wait.
     pub overload: Option<Overload>,
 }
 
-/// Bounds that a test of this scene checks; those left out are not checked.
+/// Bounds that a test of this scene checks; bounds left out are not checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -193,11 +195,12 @@ pub struct Expect {
     pub contacts_max: Option<u32>,
     /// Most events of the limiter.
     pub limiter_events_max: Option<u32>,
-    /// Least share of the onsets that the person feels, 0 to 1; left out: as it comes.
+    /// Least share of the onsets that the person feels, 0 to 1; left out: any.
     pub felt_share_min: Option<f64>,
-    /// Largest share of the touched onsets beyond the part of the skin that the display shows, 0 to 1; left out: as it comes.
+    /// Largest share of the touched onsets beyond the part of the skin that the display shows, 0 to 1; left out: any.
     pub off_pad_share_max: Option<f64>,
-    /// The emulated hardware passes a limit, as after a fault that no software can end; left out: it may pass none.
+    /// True if the emulated hardware passes a limit, as after a fault that no software can end; left out: it may pass
+    /// none.
     pub over_limit: bool,
 }
 
@@ -205,7 +208,7 @@ impl Scene {
     /// Reads and checks a scene by itself; [`crate::Setup`] checks it against its layout and bench.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let mut scene: Self = source.read()?;
         source.heading(&scene.name, &scene.description)?;
@@ -264,7 +267,7 @@ impl Scene {
             faulty_deviations: 0.1..=1000.0)
     }
 
-    /// What happens: touches, textures, strokes, faults.
+    /// Checks the events: touches, textures, strokes, faults.
     fn check_events(&self, source: &Source) -> Result<(), FileError> {
         let quiet_s = f64::from(self.reference_frames + 1) / self.rate_hz;
         for (index, touch) in self.touches.iter().enumerate() {

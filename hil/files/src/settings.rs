@@ -1,4 +1,4 @@
-//! What tables of settings have in common: the ranges of their numbers, and defaults that stand beside their keys.
+//! Common parts of tables of settings: the ranges of their numbers, and defaults that stand beside their keys.
 
 use std::ops::RangeInclusive;
 
@@ -57,8 +57,8 @@ fn first_outside<T: Bounded>(
     items.find_map(|(index, item)| item.outside(&format!("{key}[{index}]"), range))
 }
 
-/// Holds the fields of a table to their ranges, one after the other. The key of a field is its path below the key of the
-/// table; a field without a unit has none.
+/// Checks that the fields of a table lie in their ranges, one after the other. The key of a field is its path below
+/// the key of the table; a field without a unit has none.
 macro_rules! bounds {
     (
         $source:expr, $table:expr, $of:expr;
@@ -71,7 +71,7 @@ macro_rules! bounds {
     };
 }
 
-/// A table of which a file states what differs from the defaults. Where no value stands behind a key, the default is that
+/// Table of settings of which a file states the differences from the defaults. A key without a value has the default
 /// of its type.
 macro_rules! settings {
     (@) => { Default::default() };

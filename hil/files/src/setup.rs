@@ -1,4 +1,4 @@
-//! What a run needs, read together and checked against one another.
+//! Files that a run needs, read together and checked against one another.
 
 mod fingers;
 
@@ -23,12 +23,12 @@ use palpate_core::guard::{Limits, Memory};
 use palpate_core::physics::WireParameters;
 use palpate_core::units::Duration;
 
-/// What a scene's texture names.
+/// Surface and activation that a scene's texture names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroked {
     /// The surface, if one is stroked.
     pub surface: Option<TextureEntry>,
-    /// From roughness to pulses.
+    /// The map from roughness to pulses.
     pub activation: Loaded<ActivationFile>,
 }
 
@@ -47,7 +47,7 @@ pub struct Setup {
     pub limits: Loaded<LimitTable>,
     /// The bench's wires.
     pub wire: Loaded<WireFile>,
-    /// What they are made of.
+    /// The wires' alloy.
     pub alloy: Loaded<AlloyFile>,
     /// The emulated person.
     pub person: Loaded<PersonFile>,
@@ -57,11 +57,11 @@ pub struct Setup {
     pub texture: Option<Stroked>,
     /// The displays that the scene drives, where the bench has several.
     pub fingers: Vec<Finger>,
-    /// Where texture and strokes stand in the scene's file: of one of several fingers such as `fingers[2].`.
+    /// Place of texture and strokes in the scene's file: `fingers[2].` for one of several fingers, for example.
     pub section: String,
-    /// How long transfers of other displays may hold up those of this one, where they share a bus.
+    /// Longest time for which transfers of other displays hold up those of this one, where they share a bus.
     pub bus_wait: Duration,
-    /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
+    /// The unit's own description, once the bench met it: the stricter of both is played by.
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
@@ -69,10 +69,10 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The same scene and bench with these changes.
+    /// Returns the setup with these changes to scene and bench.
     ///
     /// # Errors
-    /// Names the option and key of what cannot be, or does not fit together.
+    /// Names the option and key of a value that is refused, or that does not fit the others.
     pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
         Self::join(self.scene.with(overrides)?, self.bench.with(overrides)?)
     }
@@ -80,15 +80,15 @@ impl Setup {
     /// Reads a scene and a bench by name or path, and all they refer to.
     ///
     /// # Errors
-    /// What cannot be in any of the files, or does not fit together.
+    /// A value that is refused in one of the files, or files that do not fit together.
     pub fn load(scene: &str, bench: &str) -> Result<Self, FileError> {
         Self::join(load_scene(scene)?, load_bench(bench)?)
     }
 
-    /// Reads what an already read scene and bench refer to.
+    /// Reads the files that an already read scene and bench refer to.
     ///
     /// # Errors
-    /// What cannot be in any of the files, or does not fit together.
+    /// A value that is refused in one of the files, or files that do not fit together.
     pub fn join(scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
         scene.fits_bench(&bench.value)?;
         let sensor = sensor_of(&scene)?;
@@ -137,7 +137,7 @@ impl Setup {
         })
     }
 
-    /// The same with a guard that only looks on: every stimulus is driven as it is.
+    /// Returns the setup with a guard that only looks on: every stimulus is driven unchanged.
     ///
     /// # Errors
     /// A bench of hardware.
@@ -154,7 +154,7 @@ impl Setup {
         Ok(self)
     }
 
-    /// Whether the guard only looks on.
+    /// Returns true if the guard only looks on.
     #[must_use]
     pub const fn is_observed(&self) -> bool {
         self.observed
@@ -186,7 +186,7 @@ pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileErr
     bench.refer(&bench.value.wire.kind, "wire.kind")
 }
 
-/// Wire and alloy of a bench, which fit each other and the mount.
+/// Reads wire and alloy of a bench, which fit each other and the mount.
 pub(super) fn mounted_of(
     bench: &Loaded<Bench>,
 ) -> Result<(Loaded<WireFile>, Loaded<AlloyFile>), FileError> {
@@ -202,7 +202,7 @@ pub(super) fn mounted_of(
     Ok((wire, alloy))
 }
 
-/// A display's wires are all connected.
+/// Checks that all wires of a display are connected.
 pub(super) fn check_outputs(
     bench: &Loaded<Bench>,
     display: &DisplayLayout,
@@ -217,7 +217,7 @@ pub(super) fn check_outputs(
         .bad_found("outputs", expected, outputs.to_string()))
 }
 
-/// What a scene's texture names, on a skin of so many modules.
+/// Reads the surface and activation of a scene's texture, on a skin of so many modules.
 pub(super) fn texture_of(
     scene: &Loaded<Scene>,
     modules: usize,
@@ -232,7 +232,7 @@ pub(super) fn texture_of(
     stroked(scene, felt, "texture").map(Some)
 }
 
-/// What a texture section names.
+/// Reads the surface and activation that a texture section names.
 fn stroked(scene: &Loaded<Scene>, felt: &Felt, section: &str) -> Result<Stroked, FileError> {
     let at = |key: &str| format!("{section}.{key}");
     let activation = scene.refer(&felt.activation, &at("activation"))?;
@@ -268,7 +268,7 @@ pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
 /// The skin of a scene.
 ///
 /// # Errors
-/// What cannot be in its layout, or does not fit the scene.
+/// A value of its layout that is refused, or that does not fit the scene.
 pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
     let name = &scene.value.layout;
     let Loaded { value, source } = scene.refer::<LayoutFile>(name, "layout")?;
@@ -305,7 +305,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
     })
 }
 
-/// Every fault must meet something that is there.
+/// Checks that every fault meets an existing thing.
 fn check_faults(
     scene: &Loaded<Scene>,
     sensor: &SensorLayout,

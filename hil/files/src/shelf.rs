@@ -1,4 +1,4 @@
-//! What there is: built-in files, those of a folder and laws of illusion, each with a line that says what it is.
+//! Contents of the shelf: built-in files, those of a folder and laws of illusion, each with a line that describes it.
 
 use std::path::{Path, PathBuf};
 
@@ -36,8 +36,8 @@ pub fn built_in(kind: FileKind) -> Vec<Listed> {
     kind.names().into_iter().map(listed).collect()
 }
 
-/// The settings files that lie in a folder and up to `depth` folders below it, in alphabetical order; what is none is
-/// left out, and so are hidden folders and links to folders.
+/// The settings files in a folder and up to `depth` folders below it, in alphabetical order. Other files, hidden
+/// folders and links to folders are left out.
 #[must_use]
 pub fn of_folder(folder: &Path, depth: usize) -> Vec<Listed> {
     let mut found = Vec::new();
@@ -63,7 +63,7 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
 
 fn listed(path: &Path) -> Option<Listed> {
     let source = Source::open(path).ok()?;
-    // What lies here is named as people type it.
+    // Files of this folder are named as people type them.
     let path = path.strip_prefix(".").unwrap_or(path);
     Some(Listed {
         kind: kind_of(&source).ok()?.name(),

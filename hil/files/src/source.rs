@@ -1,4 +1,4 @@
-//! A TOML text with its place: parsing it, finding a key's line again, and saying what is wrong there.
+//! A TOML text with its place: it parses, finds a key's line again, and words an error there.
 
 use std::fmt::Display;
 use std::ops::{Range, RangeInclusive};
@@ -16,7 +16,7 @@ use super::reading::{MOST_SETTINGS, read_text};
 use super::settings::Bounded;
 use super::wording::{Misfit, inside};
 
-/// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
+/// Text of a file and its origin. It stays beside the value that was read, so that later checks can name a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
     label: String,
@@ -26,7 +26,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// A text of a built-in file (or of a test): `label` names it in errors.
+    /// Text of a built-in file (or of a test): `label` names it in errors.
     #[must_use]
     pub fn new(label: impl Into<String>, text: impl Into<String>) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Source {
     /// Reads a file from disk.
     ///
     /// # Errors
-    /// When it cannot be read, is empty, or is not UTF-8 (with the line of the first wrong byte).
+    /// A file that cannot be read, is empty, or is not UTF-8 (with the line of the first wrong byte).
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
         let text = read_text(path, "a settings file (TOML)", MOST_SETTINGS)?;
@@ -62,7 +62,7 @@ impl Source {
         })
     }
 
-    /// How errors name this file.
+    /// Name of this file in errors.
     #[must_use]
     pub fn label(&self) -> &str {
         &self.label
@@ -74,8 +74,8 @@ impl Source {
         &self.text
     }
 
-    /// The values alone, in the order of their keys: texts that differ by comments, spaces or the order of keys have the
-    /// same. Texts have their length in front, so that two different files never have the same.
+    /// Values alone, in the order of their keys: texts that differ by comments, spaces or the order of keys have
+    /// equal ones. Each text has its length in front, so that two different files never have equal ones.
     #[must_use]
     pub fn values(&self) -> String {
         let mut out = String::new();
@@ -89,7 +89,7 @@ impl Source {
         self.folder.as_deref()
     }
 
-    /// The same file with these values in place of its own.
+    /// Returns this file with these values in place of its own.
     pub(super) fn with(&self, changes: Vec<Change>) -> Self {
         Self {
             changes,
@@ -102,7 +102,7 @@ impl Source {
         &self.changes
     }
 
-    /// The change that decides what stands at `key`; the last one counts.
+    /// The change that decides the value at `key`; the last one counts.
     fn change(&self, key: &str) -> Option<&Change> {
         self.changes.iter().rfind(|change| change.covers(key))
     }
@@ -120,7 +120,7 @@ impl Source {
             .then(|| self.changes.iter().rfind(inside))?
     }
 
-    /// Whether a value stands at `key`.
+    /// Returns true if a value stands at `key`.
     pub(super) fn states(&self, key: &str) -> bool {
         match self.change(key) {
             Some(change) => change.value.is_some(),
@@ -128,19 +128,19 @@ impl Source {
         }
     }
 
-    /// The folder that a relative name at `key` starts from; none where it was not the file that stated it.
+    /// The folder that a relative name at `key` starts from; none where a change stated the name.
     pub(super) fn folder_of(&self, key: &str) -> Option<&Path> {
         self.folder().filter(|_| self.change(key).is_none())
     }
 
-    /// An error at `key`; what was found is read back from the text.
+    /// An error at `key`; its finding is read back from the text.
     #[must_use]
     pub fn bad(&self, key: &str, expected: impl Into<String>) -> FileError {
         let found = self.value_text(key).unwrap_or_else(|| "nothing".into());
         self.bad_found(key, expected, found)
     }
 
-    /// An error at `key` with what was found in words.
+    /// An error at `key` with the finding in words.
     #[must_use]
     pub fn bad_found(
         &self,
@@ -158,7 +158,7 @@ impl Source {
         }
     }
 
-    /// The whole text as a type.
+    /// Reads the whole text as a type.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         plain::read(&self.value()?).map_err(|(key, misfit)| self.misfit(&key, misfit))
     }
@@ -171,7 +171,7 @@ impl Source {
         }
     }
 
-    /// What the text says, with all changes.
+    /// Value of the text, with all changes.
     pub(super) fn value(&self) -> Result<Value, FileError> {
         let table = plain::table(self.parse()?.get_ref());
         let table = table.map_err(|(key, expected)| self.bad(&key, expected))?;
@@ -203,13 +203,13 @@ impl Source {
         keys.map(|key| key.get_ref().to_string()).collect()
     }
 
-    /// Everything that makes the text no TOML.
+    /// Errors that make the text no TOML.
     pub(super) fn syntax_errors(&self) -> Vec<FileError> {
         let (_, errors) = DeTable::parse_recoverable(&self.text);
         errors.iter().map(|error| self.syntax(error)).collect()
     }
 
-    /// The same file with another word for the last part of `key`; none where that makes it no TOML.
+    /// Returns this file with another word for the last part of `key`; none where that makes it no TOML.
     pub(super) fn renamed(&self, key: &str, word: &str) -> Option<Self> {
         let (place, value) = self.spans(key)?;
         value?;
@@ -227,7 +227,7 @@ impl Source {
         let (name, value) = self.spans(key)?;
         let (mut begin, mut end) = (name.start, value?.end);
         let rest = &self.text[end..];
-        // With the comma behind it, else with the one before it.
+        // The comma behind it goes too, else the one before it.
         if let Some(after) = rest.trim_start().strip_prefix(',') {
             end = self.text.len() - after.trim_start_matches(' ').len();
         } else if let Some(before) = self.text[..begin].trim_end().strip_suffix(',') {
@@ -238,7 +238,7 @@ impl Source {
         Some((self.line_at(name.start), text))
     }
 
-    /// What stands at `key`, as the file writes it; dotted keys with what is below them.
+    /// Text at `key`, as the file writes it; dotted keys with those below them.
     pub(super) fn value_at(&self, key: &str) -> Option<String> {
         if let Some(text) = self.text_at(key).filter(|t| t.contains(['=', '"'])) {
             return Some(text.to_owned());
@@ -252,7 +252,7 @@ impl Source {
         self.text.get(self.spans(key)?.1?)
     }
 
-    /// `value`, or each of its numbers, must lie in `range`.
+    /// Checks that `value`, or each of its numbers, lies in `range`.
     pub(super) fn range<T: Bounded<Number: Display>>(
         &self,
         key: &str,
@@ -268,7 +268,7 @@ impl Source {
         Err(self.bad(&key, format!("a number from {low} to {high}{space}{unit}")))
     }
 
-    /// The file's own name and description: lower case with hyphens, and not empty.
+    /// Checks the file's own name and description: lower case with hyphens, and not empty.
     pub(super) fn heading(&self, name: &str, description: &str) -> Result<(), FileError> {
         self.name("name", name)?;
         if description.trim().is_empty() {
@@ -277,7 +277,7 @@ impl Source {
         Ok(())
     }
 
-    /// A name of a file or of something in it.
+    /// Checks a name of a file or of something in it.
     pub(super) fn name(&self, key: &str, name: &str) -> Result<(), FileError> {
         let lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         if name.is_empty() || !name.chars().all(lower) {
@@ -319,7 +319,7 @@ impl Source {
         Some(if cut { format!("{short} ...") } else { short })
     }
 
-    /// Where the deepest part of `key` that exists is written, and the value's span if all of it exists.
+    /// Finds the deepest part of `key` that exists, and the value's span if all of it exists.
     fn spans(&self, key: &str) -> Option<(Range<usize>, Option<Range<usize>>)> {
         let table = DeTable::parse(&self.text).ok()?;
         let mut place = None;
@@ -378,7 +378,7 @@ fn one(value: &DeValue<'_>, out: &mut String) {
         DeValue::Integer(number) => *out += &format!("{number} "),
         DeValue::Float(number) => *out += &format!("{number} "),
         DeValue::Boolean(truth) => *out += &format!("{truth} "),
-        // With a mark in front: a time begins as a length does.
+        // The mark in front tells a time from a length, which begin alike.
         DeValue::Datetime(date) => *out += &format!("@{date} "),
     }
 }

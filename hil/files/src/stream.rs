@@ -1,4 +1,4 @@
-//! A scene's readings over a network: how late they come, and how many never.
+//! Readings of a scene over a network: their delay and loss.
 
 use super::error::FileError;
 use super::settings::{bounds, settings};
@@ -10,11 +10,11 @@ settings! {
     pub struct Stream {
         /// The shortest way, milliseconds.
         pub delay_ms: f64 = 1.0,
-        /// What is added to it: evenly drawn from nothing to this, milliseconds.
+        /// Delay added to it: evenly drawn from nothing to this, milliseconds.
         pub jitter_ms: f64 = 0.0,
         /// Share of messages that come `late_ms` later still.
         pub late: f64 = 0.0,
-        /// How much later, milliseconds.
+        /// Further delay of late messages, milliseconds.
         pub late_ms: f64 = 100.0,
         /// Share of messages that never come.
         pub loss: f64 = 0.0,

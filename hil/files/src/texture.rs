@@ -1,4 +1,4 @@
-//! Tables of textures: what surfaces are like, and what people say of them.
+//! Tables of textures: properties of surfaces, and people's ratings of them.
 
 use serde::Deserialize;
 
@@ -11,13 +11,13 @@ use super::source::Source;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TextureTable {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The table, in a sentence.
     pub description: String,
-    /// Which values are assumed; reports flag it.
+    /// The values that are assumed; reports flag it.
     pub assumed: Option<String>,
-    /// The taxel that answers its rest value whatever happens, from 0; left out: none.
+    /// The taxel that always answers its rest value, from 0; left out: none.
     pub dead_taxel: Option<usize>,
     /// The textures.
     pub texture: Vec<TextureEntry>,
@@ -28,9 +28,9 @@ pub struct TextureTable {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TextureEntry {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// Whether a network may be trained on it.
+    /// True if a network may be trained on it.
     pub trained: bool,
     /// Force per depth under a module's whole face, N/mm.
     pub stiffness_n_per_mm: f64,
@@ -44,7 +44,7 @@ pub struct TextureEntry {
     pub friction: f64,
     /// Coefficient of friction against a finger pad.
     pub finger_friction: f64,
-    /// What people say with a bare finger; left out where no person has touched it.
+    /// Ratings of people with a bare finger; left out where no person has touched it.
     pub rated: Option<Rated>,
 }
 
@@ -53,11 +53,11 @@ pub struct TextureEntry {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Rated {
-    /// Very soft to very hard.
+    /// Hardness, from very soft to very hard.
     pub hardness: f64,
-    /// Very smooth to very rough.
+    /// Roughness, from very smooth to very rough.
     pub roughness: f64,
-    /// Very slippery to very sticky.
+    /// Friction, from very slippery to very sticky.
     pub friction: f64,
 }
 
@@ -65,7 +65,7 @@ impl TextureTable {
     /// Reads and checks a table.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;

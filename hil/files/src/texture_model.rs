@@ -1,4 +1,4 @@
-//! The model file: safetensors with PyTorch's names and gate order, and a golden vector that has to come out.
+//! Model files: safetensors with PyTorch's names and gate order, and a golden vector that the model must give.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,9 +15,9 @@ use crate::texture::TextureEntry;
 
 /// The `format` that this program reads.
 const FORMAT: &str = "palpate-texture 1";
-/// How far the golden vector may be off.
+/// Largest deviation of the golden vector.
 const GOLDEN: f64 = 1e-5;
-/// No model is nearly as large: what is larger is some other file.
+/// Largest model file: a larger one is some other file.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// Taxel, from 0, and axis of a column that is called `txl1_x`.
@@ -39,13 +39,13 @@ pub struct Tensor {
 /// One GRU layer of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// `[3H, I]`, gates r, z, n.
+    /// Input weights `[3H, I]`, gates r, z, n.
     pub weight_ih: Tensor,
-    /// `[3H, H]`.
+    /// Recurrent weights `[3H, H]`.
     pub weight_hh: Tensor,
-    /// `[3H]`.
+    /// Input biases `[3H]`.
     pub bias_ih: Tensor,
-    /// `[3H]`.
+    /// Recurrent biases `[3H]`.
     pub bias_hh: Tensor,
 }
 
@@ -73,12 +73,12 @@ pub struct TextureModel {
     metadata: BTreeMap<String, String>,
 }
 
-/// What one latent coordinate stands for.
+/// Meaning of one latent coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Stands {
-    /// Which, from 0.
+    /// Number of the coordinate, from 0.
     pub coordinate: usize,
-    /// -1: the property falls where it grows.
+    /// Sign of the relation; -1: the property falls where the coordinate grows.
     pub sign: i32,
     z_lo: f32,
     z_hi: f32,
@@ -88,7 +88,7 @@ pub struct Stands {
 }
 
 impl Stands {
-    /// As what drives wires takes it.
+    /// The coordinate as a driver of wires.
     pub const fn driver(self) -> LatentDriver {
         LatentDriver {
             coordinate: self.coordinate,
@@ -99,7 +99,7 @@ impl Stands {
     }
 }
 
-/// The coordinates that stand for something.
+/// Coordinates with a meaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct Standing {
     /// Roughness.
@@ -123,10 +123,10 @@ impl TextureModel {
         Self::parse(name, &bytes)
     }
 
-    /// A model from the bytes of its file; `label` names it in errors.
+    /// Parses a model from the bytes of its file; `label` names it in errors.
     ///
     /// # Errors
-    /// As [`TextureModel::open`].
+    /// The errors of [`TextureModel::open`].
     pub fn parse(label: &str, bytes: &[u8]) -> Result<Self, FileError> {
         let wrong = |key: &str, expected: String, found: String| FileError {
             key: Some(key.to_owned()),
@@ -198,7 +198,7 @@ impl TextureModel {
         Ok(model)
     }
 
-    /// Whether the golden window's latent vector comes out.
+    /// Checks that the golden window gives the golden latent vector.
     fn check(&self, window: &Tensor, latent: &Tensor) -> Result<(), FileError> {
         let wrong = |key: &str, expected: String, found: String| FileError {
             key: Some(key.to_owned()),
@@ -243,7 +243,7 @@ impl TextureModel {
         Ok(())
     }
 
-    /// Calls `then` with the model as core takes it.
+    /// Calls `then` with the model in the core's type.
     pub fn with<T>(&self, then: impl FnOnce(&Model<'_>) -> T) -> T {
         let layers: Vec<Gru<'_>> = self
             .layers
@@ -276,13 +276,13 @@ impl TextureModel {
     /// The encoder on vectors of choice, which change its speed and no bit.
     ///
     /// # Errors
-    /// As [`TextureModel::encoder`].
+    /// The errors of [`TextureModel::encoder`].
     pub fn encoder_on(&self, vectors: Vectors) -> Result<Encoder, FileError> {
         self.with(|model| Encoder::with(model, vectors))
             .map_err(|e| FileError::whole(&self.label, "a model that fits together", e.to_string()))
     }
 
-    /// What the file's `latent` says of its coordinates; nothing of those that this model has not.
+    /// Meanings of the coordinates by the file's `latent`; nothing of those that this model lacks.
     pub fn standing(&self) -> Standing {
         let text = self.metadata.get("latent").map_or("", String::as_str);
         let found: Standing = serde_json::from_str(text).unwrap_or_default();
@@ -294,7 +294,8 @@ impl TextureModel {
         }
     }
 
-    /// Whether recordings of this label were among those that it was trained on; `None` where its file names none.
+    /// Returns true if recordings of this label were among those that the model was trained on; `None` where its file
+    /// names none.
     pub fn was_trained_on(&self, label: &str) -> Option<bool> {
         #[derive(Deserialize)]
         struct Split {
@@ -305,8 +306,8 @@ impl TextureModel {
         Some(split.train.iter().any(of))
     }
 
-    /// What of a surface lies outside what the model learned, a twentieth aside, in a few words each; nothing where its training
-    /// did not know the surfaces.
+    /// Properties of a surface that lie outside what the model learned, a twentieth aside, in a few words each; none
+    /// where its training did not know the surfaces.
     pub fn extrapolated(&self, surface: &TextureEntry) -> Vec<String> {
         let standing = self.standing();
         let asked = [
@@ -327,10 +328,10 @@ impl TextureModel {
         asked.into_iter().filter_map(outside).collect()
     }
 
-    /// The latent coordinates that drive wires: what stands for roughness, and for friction where one does.
+    /// The latent coordinates that drive wires: the one of roughness, and that of friction where there is one.
     ///
     /// # Errors
-    /// A model that was not trained here says nothing of roughness.
+    /// A model without a coordinate of roughness, which was not trained here.
     pub fn drivers(&self) -> Result<Drivers, FileError> {
         let found = self.standing();
         let text = self.metadata.get("latent").map_or("", String::as_str);
@@ -349,15 +350,15 @@ impl TextureModel {
         })
     }
 
-    /// Readings per second of the recordings that it was trained on, where the file says so.
+    /// Readings per second of the recordings that it was trained on, where the file states it.
     pub fn rate_hz(&self) -> Option<f64> {
         let rate: f64 = self.metadata.get("rate_hz")?.parse().ok()?;
         (rate.is_finite() && rate > 0.0).then_some(rate)
     }
 
-    /// Whether readings at `rate_hz` are what it was trained on, within a hundredth.
+    /// Checks that readings at `rate_hz` have the rate of the training, within a hundredth.
     ///
-    /// # Errors
+    /// Another rate: a window would last longer or shorter, and ripples in it would change.
     /// Another rate: what a window lasts and what ripples in it would differ.
     pub fn check_rate(&self, rate_hz: f64) -> Result<(), FileError> {
         match self.rate_hz() {
@@ -402,7 +403,7 @@ impl TextureModel {
         }
     }
 
-    /// What else the file says of itself.
+    /// Further entries of the file's metadata.
     pub const fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
     }

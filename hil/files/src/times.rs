@@ -6,23 +6,24 @@ use palpate_core::statistics::quantile;
 
 use super::pace::SAME;
 
-/// Longest recording, as the longest scene: a slip in a time must not make a run of years.
+/// Longest recording, microseconds, as the longest scene: a slip in a time must not make a run of years.
 pub const LONGEST_US: u64 = 86_400_000_000;
-/// Further apart, two rows are no longer one recording: the clock was set between them.
+/// Distance of two rows beyond which the clock was set between them, microseconds.
 const JUMP_US: u64 = 3_600_000_000;
-/// Frames of several buses may be this much out of order.
+/// Largest disorder of frames of several buses, microseconds.
 pub const DISORDER_US: u64 = 1_000_000;
-/// Steps that tell what a column counts.
+/// Steps that tell the unit of a column.
 const TELLING: usize = 16;
-/// A row per second and slower, by its numbers: they may be nanoseconds.
+/// Distance of rows a second apart and slower, by their numbers, microseconds: they may be nanoseconds.
 const SLOW_US: u64 = 1_000_000;
-/// Ten thousand rows a second and more, by their numbers: they may be milliseconds.
+/// Distance of rows at ten thousand a second and faster, by their numbers, microseconds: they may be milliseconds.
 const FAST_US: u64 = 100;
-/// With jumps taken out, further ahead than this and so many usual distances is a jump too: a stray frame.
+/// Further step ahead that counts as a jump, where jumps are taken out: this and so many usual distances, a stray
+/// frame.
 const STRAY_US: u64 = 2_000_000;
 const STRAY_STEPS: u64 = 100;
 
-/// What a column of times counts.
+/// Unit of a column of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {
     /// Seconds.
@@ -37,12 +38,12 @@ pub enum TimeUnit {
     Date,
 }
 
-/// A column that says when, as `--time COLUMN[:UNIT]` names it.
+/// A column of times, as `--time COLUMN[:UNIT]` names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TimeColumn {
-    /// Its heading.
+    /// The column's heading.
     pub name: String,
-    /// What it counts.
+    /// The column's unit.
     pub unit: TimeUnit,
 }
 
@@ -97,7 +98,7 @@ impl TimeUnit {
         (0.0..9.2e18).contains(&us).then(|| us.round() as u64)
     }
 
-    /// As messages name it.
+    /// Name of the unit in messages.
     pub(super) const fn noun(self) -> &'static str {
         match self {
             Self::S => "seconds",
@@ -160,32 +161,32 @@ pub(super) fn date_us(text: &str) -> Option<u64> {
     u64::try_from(s * 1_000_000 + number(&micros)?).ok()
 }
 
-/// Why a time cannot follow those before it.
+/// The reason for which a time cannot follow those before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutOfTime {
-    /// What was expected.
+    /// The expectation.
     pub expected: String,
-    /// What was found; none: the field as it stands.
+    /// The finding; none: the field as it stands.
     pub found: Option<String>,
 }
 
 /// Follows the times of a recording, in microseconds.
 #[derive(Clone, Debug, Default)]
 pub struct Times {
-    /// Whether jumps are taken out.
+    /// True if jumps are taken out.
     split: bool,
     first: Option<u64>,
     last: Option<u64>,
-    /// What is added to the times of the piece that is read, to follow the piece before.
+    /// Shift of the times of the piece that is read, so that it follows the piece before.
     shift: i128,
-    /// Rows in a row that share the newest time.
+    /// Rows in succession that share the newest time.
     same: u32,
-    /// The first distances: their median is the usual one.
+    /// First distances, microseconds: their median is the usual one.
     steps: Vec<u64>,
     notes: Vec<String>,
 }
 
-/// A length of time in the unit that people would say it in.
+/// Words for a length of time, in the unit that people would use.
 fn length(us: u64) -> String {
     let s = us as f64 * 1e-6;
     match s {
@@ -197,7 +198,7 @@ fn length(us: u64) -> String {
 }
 
 impl Times {
-    /// Times from the first on; `split` takes jumps of the clock out.
+    /// Follows times from the first on; `split` takes jumps of the clock out.
     #[must_use]
     pub fn new(split: bool) -> Self {
         Self {
@@ -209,7 +210,7 @@ impl Times {
     /// The time of the next row of a file, in a line of it.
     ///
     /// # Errors
-    /// As [`Times::row`] or, for a clock that may repeat itself, [`Times::coarse_row`].
+    /// The errors of [`Times::row`] or, for a clock that may repeat itself, [`Times::coarse_row`].
     pub(super) fn next_row(
         &mut self,
         (file, line): (&str, usize),
@@ -233,7 +234,7 @@ impl Times {
     /// The time of the next row, no earlier than the row before: clocks of milliseconds repeat themselves.
     ///
     /// # Errors
-    /// As [`Times::row`].
+    /// The errors of [`Times::row`].
     pub fn coarse_row(&mut self, place: &str, us: u64) -> Result<u64, OutOfTime> {
         self.next(place, us, Some(0))
     }
@@ -246,7 +247,7 @@ impl Times {
         self.next(place, us, None)
     }
 
-    /// Rows are at least `least` microseconds apart; frames may be out of order.
+    /// Takes the next time: rows are at least `least` microseconds apart; frames may be out of order.
     fn next(&mut self, place: &str, us: u64, least: Option<i128>) -> Result<u64, OutOfTime> {
         let mut shifted = i128::from(us) + self.shift;
         if let Some(last) = self.last {
@@ -320,12 +321,12 @@ impl Times {
         quantile(&steps, 0.5).map_or(0, |middle| middle.above)
     }
 
-    /// Whether enough rows have come to tell what their numbers are.
+    /// Returns true if enough rows have come to tell what their numbers are.
     pub(super) fn is_telling(&self) -> bool {
         self.steps.len() == TELLING
     }
 
-    /// What a column of whole microseconds looks like instead: its rows come too fast or too slow for a skin.
+    /// Other meaning of a column of whole microseconds whose rows come too fast or too slow for a skin.
     pub(super) fn looks_like(&self) -> Option<String> {
         if self.steps.len() < 2 {
             return None;

@@ -1,4 +1,4 @@
-//! What touches the skin: where, how hard, at any time. Pure: the same time gives the same bits everywhere.
+//! Touches of the skin: their place and force at any time. Pure: the same time gives the same bits everywhere.
 
 mod hand;
 
@@ -24,15 +24,15 @@ pub struct Touch {
     pub diameter_mm: f64,
     /// First contact in seconds.
     pub start_s: f64,
-    /// Last contact in seconds; left out: with the scene.
+    /// Last contact in seconds; left out: the end of the scene.
     #[serde(default = "with_the_scene")]
     pub end_s: f64,
-    /// The force rises and falls smoothly over this many seconds at either end.
+    /// Time over which the force rises and falls smoothly at either end, seconds.
     #[serde(default = "ramp_s")]
     pub ramp_s: f64,
-    /// Where.
+    /// The path of its centre.
     pub path: Path,
-    /// How hard; a hand's samples say it themselves.
+    /// The force; a hand's samples state it themselves.
     #[serde(default = "no_force")]
     pub force_n: Force,
 }
@@ -42,7 +42,7 @@ const fn sphere_mm() -> f64 {
     19.45
 }
 
-/// No file states this: [`Touch::last`] puts the scene's length in its place.
+/// End without a statement of a file: [`Touch::last`] puts the scene's length in its place.
 const fn with_the_scene() -> f64 {
     f64::INFINITY
 }
@@ -55,7 +55,7 @@ const fn wave_s() -> f64 {
     1.0
 }
 
-/// Of a hand; [`Touch::check`] refuses any other touch without a force.
+/// Force of a hand, which its samples state; [`Touch::check`] refuses any other touch without a force.
 const fn no_force() -> Force {
     Force {
         mean: 0.0,
@@ -64,23 +64,24 @@ const fn no_force() -> Force {
     }
 }
 
-/// Where a touch is, in the module's millimetres.
+/// Path of a touch, in the module's millimetres.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Path {
     /// The path's shape.
     pub kind: PathKind,
-    /// hold: one point; line: two; polyline: two or more.
+    /// Points of the path: one for hold, two for line, two or more for polyline.
     #[serde(default)]
     pub points_mm: Vec<[f64; 2]>,
-    /// circle: its centre; left out: the module's.
+    /// Centre of a circle; left out: the module's.
     pub centre_mm: Option<[f64; 2]>,
-    /// circle: its radius.
+    /// Radius of a circle.
     pub radius_mm: Option<f64>,
-    /// line and polyline: there and back; circle: one turn. Left out: once, from start to end.
+    /// Period of a path: there and back for line and polyline, one turn for circle. Left out: once, from start to
+    /// end.
     pub period_s: Option<f64>,
-    /// hand: what a finger did, `[t_us, x_um, y_um, force_mn, diameter_um]` each, from then on until the next one.
+    /// Samples of a hand, `[t_us, x_um, y_um, force_mn, diameter_um]` each: each holds until the next one.
     #[serde(default)]
     pub samples: Vec<HandSample>,
 }
@@ -90,29 +91,29 @@ pub struct Path {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PathKind {
-    /// Stays on one point.
+    /// One point.
     Hold,
-    /// Straight at constant speed, there and back.
+    /// A straight line at constant speed, there and back.
     Line,
-    /// Along corners at constant speed, there and back.
+    /// A way along corners at constant speed, there and back.
     Polyline,
-    /// Anticlockwise from the right.
+    /// A circle, anticlockwise from the right.
     Circle,
-    /// As a person moved it: where, how hard and how wide by its samples, without ramps.
+    /// A person's motion: its place, force and width by its samples, without ramps.
     Hand,
 }
 
-/// mean + amplitude sin(2 pi t / period), t from the touch's start.
+/// Force of mean + amplitude sin(2 pi t / period), t from the touch's start.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Force {
-    /// Newtons.
+    /// Mean force, newtons.
     pub mean: f64,
-    /// Newtons, at most the mean.
+    /// Amplitude, newtons, at most the mean.
     #[serde(default)]
     pub amplitude: f64,
-    /// Seconds.
+    /// Period, seconds.
     #[serde(default = "wave_s")]
     pub period_s: f64,
 }
@@ -120,13 +121,13 @@ pub struct Force {
 /// A touch at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchPoint {
-    /// To the right of the module's centre.
+    /// Distance to the right of the module's centre, mm.
     pub x_mm: f64,
-    /// Up from the module's centre.
+    /// Distance up from the module's centre, mm.
     pub y_mm: f64,
-    /// Zero at the very first and last instant.
+    /// Force, newtons; zero at the very first and last instant.
     pub force_n: f64,
-    /// The sphere's diameter.
+    /// Diameter of the sphere, mm.
     pub diameter_mm: f64,
 }
 
@@ -299,7 +300,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// From 0 to 1 with a level start and end.
+/// Step from 0 to 1 with a level start and end.
 fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

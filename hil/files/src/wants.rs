@@ -11,7 +11,7 @@ pub(super) struct Capability {
     pub name: &'static str,
     /// The thing in words.
     pub words: &'static str,
-    /// Whether a bench has it.
+    /// Returns true if a bench has it.
     pub has: fn(&Bench) -> bool,
     /// The first bench to look at among those that ship.
     pub bench: &'static str,

@@ -1,4 +1,4 @@
-//! What a scene's things are made of: the warmth that a bench with a Peltier module shows beside touch.
+//! Materials of a scene's things: the warmth that a bench with a Peltier module shows beside touch.
 
 use palpate_core::peltier::Material;
 
@@ -7,25 +7,25 @@ use super::settings::{bounds, settings};
 use super::source::Source;
 use super::words;
 
-/// Skin at rest, degrees C: what the face shows while nothing is touched.
+/// Skin at rest, degrees C: the temperature of the face while nothing is touched.
 pub const SKIN_C: f64 = 33.0;
 
 settings! {
-    /// A contact with a material, from when until when.
+    /// A contact with a material, between two times.
     #[derive(Copy)]
     pub struct SceneMaterial {
-        /// When it is touched, seconds.
+        /// Start of the touch, seconds.
         pub start_s: f64 = 0.0,
-        /// When no longer; left out: with the scene.
+        /// End of the touch, seconds; left out: the end of the scene.
         pub end_s: Option<f64>,
-        /// What it is made of.
+        /// Material of the thing.
         #[serde(with = "words::Material")]
         pub material: Material = Material::Wood,
-        /// How warm it is, degrees C.
+        /// Temperature of the thing, degrees C.
         pub object_c: f64 = 23.0,
     }
 
-    /// Wood that has stood in a room.
+    /// A touch of wood that has stood in a room.
     default
 }
 
@@ -42,7 +42,7 @@ impl SceneMaterial {
     }
 }
 
-/// What the face shall be at `t_s`, degrees C: where skin meets the thing touched first, else skin at rest.
+/// Temperature of the face at `t_s`, degrees C: where skin meets the thing touched first, else skin at rest.
 #[must_use]
 pub fn warmth_c(materials: &[SceneMaterial], t_s: f64) -> f64 {
     let touched = materials.iter().find(|m| m.touches(t_s));

@@ -1,4 +1,4 @@
-//! Wires and alloys: what a shape-memory wire is made of. The built-in files carry the program's own constants.
+//! Wires and alloys: the figures of shape-memory wires. The built-in files carry the program's own constants.
 
 mod guarded;
 mod history;
@@ -19,17 +19,17 @@ pub use r_phase::RPhaseEntry;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WireFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The wire, in a sentence.
     pub description: String,
     /// Diameter, micrometres.
     pub diameter_um: f64,
     /// Length between the crimps, millimetres.
     pub length_mm: f64,
-    /// What makes heat.
+    /// Resistances, which make heat.
     pub electrical: Electrical,
-    /// Where the heat goes.
+    /// Figures of the heat, its store and its ways out.
     pub thermal: ThermalValues,
     /// Share of the martensite that transforms without hysteresis, about the alloy's middle; left out: none.
     #[serde(default)]
@@ -43,18 +43,18 @@ pub struct WireFile {
     pub state: WireState,
     /// Coldest that a wire has been since it was passed, degrees C; left out: no colder than at rest.
     pub coldest_c: Option<f64>,
-    /// Strain.
+    /// Moduli and strains.
     pub mechanical: Mechanical,
 }
 
-/// Resistance.
+/// Resistance of the wire and its changes.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Electrical {
-    /// Between the terminals, as martensite at 33 C, Ohm.
+    /// Resistance between the terminals, as martensite at 33 C, Ohm.
     pub resistance_ohm: f64,
-    /// Part of it that is wire and not crimps and leads.
+    /// Share of that resistance that is wire and not crimps and leads.
     pub wire_share: f64,
     /// The wire's resistance as austenite over that as martensite.
     pub austenite_ratio: f64,
@@ -62,7 +62,7 @@ pub struct Electrical {
     pub per_kelvin: f64,
 }
 
-/// Heat.
+/// Heat of the wire, its store and its ways out.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -81,7 +81,7 @@ pub struct ThermalValues {
     pub mount_w_k: f64,
 }
 
-/// Strain.
+/// Moduli and strains of the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -109,9 +109,9 @@ const MOST_STRAIN: f64 = {
 choice! {
     /// A state that a wire is brought into by temperature alone.
     WireState {
-        /// All martensite: cooled far below where that begins to form.
+        /// All martensite: cooled far below the temperature at which that begins to form.
         Cold = "cold",
-        /// Heated until all of it was austenite, then cooled to rest.
+        /// A wire that was heated until all of it was austenite, then cooled to rest.
         Passed = "passed",
     }
 }
@@ -143,9 +143,9 @@ const fn cold() -> WireState {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AlloyFile {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The alloy, in a sentence.
     pub description: String,
     /// Heating: austenite begins to form, degrees C.
     pub austenite_start_c: f64,
@@ -165,7 +165,7 @@ impl AlloyFile {
     /// Reads an alloy; [`WireFile::parameters`] checks its temperatures.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let alloy: Self = source.read()?;
         source.heading(&alloy.name, &alloy.description)?;
@@ -205,7 +205,7 @@ impl WireFile {
     /// Reads a wire.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         history::check_version(source)?;
         let wire: Self = source.read()?;

@@ -1,4 +1,4 @@
-//! What does not fit in a settings file, in the words that people read.
+//! Misfits of a settings file, in the words that people read.
 
 use std::fmt::Display;
 
@@ -19,7 +19,7 @@ pub(super) struct Misfit {
 }
 
 impl Misfit {
-    /// A value where something else was expected, which serde names.
+    /// A misfit of a value where serde names the expectation.
     pub(super) fn of_value(expected: &dyn Expected) -> Self {
         Self {
             field: None,
@@ -81,7 +81,7 @@ fn meant(word: &str, known: &[&str]) -> String {
     did_you_mean(word, known.iter().copied())
 }
 
-/// The words that may stand in a place, with a noun where there are more than two.
+/// Words that may stand in a place, with a noun where there are more than two.
 fn one_of(noun: &str, known: &[&str]) -> String {
     let words: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
     match words.as_slice() {
@@ -99,7 +99,7 @@ pub(super) fn inside(path: &str, field: &str) -> String {
     }
 }
 
-/// Rust's type names in a user's words.
+/// Words of a user for Rust's type names.
 fn plain(wanted: &str) -> String {
     let words = match wanted {
         "f64" => "a number",

@@ -1,5 +1,5 @@
-//! The words that settings files have for closed lists. Most lists are the core's, which knows no text format:
-//! the types here only say how its values are written.
+//! Words of settings files for closed lists. Most lists are the core's, which knows no text format: the types here
+//! only state how its values are written.
 
 use palpate_core::{contact, illusion, peltier, physics, render, skin, texture};
 use serde::de::value::StrDeserializer;
@@ -30,16 +30,16 @@ macro_rules! words {
 
 pub(super) use choice;
 
-words! { /** How a taxel's axes make one weight. */ Norm for "contact::Norm" {
+words! { /** Norms that make one weight of a taxel's axes. */ Norm for "contact::Norm" {
     /** Sum of absolute values. */ L1 = "l1",
     /** Euclidean. */ L2 = "l2",
     /** Largest absolute value. */ LInf = "linf",
 }}
-words! { /** Where `kc` and `ki` apply. */ Scope for "contact::Scope" {
-    /** To each module. */ Module = "module",
-    /** To the whole skin in one plane. */ Skin = "skin",
+words! { /** Parts of the skin over which `kc` and `ki` apply. */ Scope for "contact::Scope" {
+    /** Each module. */ Module = "module",
+    /** The whole skin in one plane. */ Skin = "skin",
 }}
-words! { /** How a place between wires becomes activations. */ Model for "illusion::IllusionModel" {
+words! { /** Laws that turn a place between wires into activations. */ Model for "illusion::IllusionModel" {
     /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
     /** Square roots of shares. */ Energy = "energy",
     /** Shares. */ Linear = "linear",
@@ -50,35 +50,35 @@ words! { /** How a place between wires becomes activations. */ Model for "illusi
     /** A bell around each wire. */ Gaussian = "gaussian",
     /** The nearest wire alone. */ Nearest = "nearest",
 }}
-words! { /** How far a contact is from a wire. */ Distances for "illusion::Distances" {
+words! { /** Measures of the distance from a contact to a wire. */ Distances for "illusion::Distances" {
     /** Each axis on its own. */ Axes = "axes",
-    /** In the unrolled plane. */ Plane = "plane",
+    /** The distance in the unrolled plane. */ Plane = "plane",
     /** Straight through space, on the display's surface. */ Space = "space",
 }}
-words! { /** How several contacts share wires. */ Sharing for "illusion::Sharing" {
+words! { /** Rules by which several contacts share wires. */ Sharing for "illusion::Sharing" {
     /** A wire follows the contact that asks most of it. */ Strongest = "strongest",
     /** Energies add up, to full drive at most. */ Sum = "sum",
     /** One contact after the other, onset by onset. */ Slices = "slices",
 }}
-words! { /** How `inverse` renders a contact. */ Style for "render::Style" {
-    /** As a vibration. */ Smooth = "smooth",
-    /** As taps, which are felt more strongly at the same power. */ Tap = "tap",
-    /** As taps while it rests, as a vibration while it moves. */ Auto = "auto",
+words! { /** Styles in which `inverse` renders a contact. */ Style for "render::Style" {
+    /** A vibration. */ Smooth = "smooth",
+    /** Taps, which are felt more strongly at the same power. */ Tap = "tap",
+    /** Taps while the contact rests, a vibration while it moves. */ Auto = "auto",
 }}
-words! { /** What the missing one of duration and onset asynchrony follows. */ Timing for "illusion::TimingLaw" {
+words! { /** Laws for the missing one of duration and onset asynchrony. */ Timing for "illusion::TimingLaw" {
     /** 0.32 `tau_d` + 47.3 ms. */ TactileBrush = "tactile-brush",
     /** 115 ms between onsets. */ Fingerpad = "fingerpad",
 }}
-words! { /** How pulses are drawn. */ Draw for "texture::Draw" {
+words! { /** Rules by which pulses are drawn. */ Draw for "texture::Draw" {
     /** Each period by itself, seeded. */ Bernoulli = "bernoulli",
     /** Error diffusion: the same density, never more than one pulse from it. */ Diffusion = "diffusion",
 }}
-words! { /** How the ends of a wire are held. */ Ends for "physics::Ends" {
-    /** They cannot turn. */ Clamped = "clamped",
-    /** They turn freely. */ Pinned = "pinned",
-    /** They cannot turn, and the wire is pressed to its buckling load. */ Buckled = "buckled",
+words! { /** Mountings of the ends of a wire. */ Ends for "physics::Ends" {
+    /** Ends that cannot turn. */ Clamped = "clamped",
+    /** Ends that turn freely. */ Pinned = "pinned",
+    /** Ends that cannot turn, with the wire pressed to its buckling load. */ Buckled = "buckled",
 }}
-words! { /** What a thing is made of. */ Material for "peltier::Material" {
+words! { /** Materials of a thing. */ Material for "peltier::Material" {
     /** Aluminium. */ Metal = "metal",
     /** Soda-lime glass. */ Glass = "glass",
     /** Pine. */ Wood = "wood",

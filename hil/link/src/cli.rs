@@ -16,7 +16,7 @@ use crate::net::At;
 #[derive(Debug, Parser)]
 #[command(name = "palpate-link", version)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -24,7 +24,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Publish what a robot's skin feels.
+    /// Publish the readings of a robot's skin.
     Skin(SkinArgs),
     /// Render on a bench's outputs what comes of a finger.
     Display(DisplayArgs),
@@ -55,7 +55,7 @@ pub struct SchemaArgs {
     pub binary: bool,
 }
 
-/// Where the others are.
+/// Addresses of the others.
 #[derive(Clone, Debug, Args)]
 pub struct AtArgs {
     /// Listen here, HOST:PORT; repeatable. Without --listen and --connect programs of one machine find each other.
@@ -86,10 +86,10 @@ impl AtArgs {
     }
 }
 
-/// Where the others are, for an end.
+/// Addresses of the others, for an end.
 #[derive(Clone, Debug, Args)]
 pub struct EndAtArgs {
-    /// As for a relay.
+    /// Addresses that a relay takes too.
     #[command(flatten)]
     pub direct: AtArgs,
     /// Speak through the relay there, for ends that cannot reach each other. It is tried until it answers.
@@ -97,7 +97,7 @@ pub struct EndAtArgs {
     pub relay: Option<String>,
 }
 
-/// How many connections frames cross.
+/// Number of connections that frames cross.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TwiceArgs {
     /// Frames over one connection: half of the bytes, and every lost packet is a pause.
@@ -190,7 +190,7 @@ impl DisplayArgs {
     }
 }
 
-/// What crosses the network.
+/// Payloads that cross the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     /// Contacts: compression on the robot's side.
@@ -222,7 +222,7 @@ pub(crate) fn after(seconds: f64) -> Instant {
 /// Options of `palpate-link skin`.
 #[derive(Debug, Args)]
 pub struct SkinArgs {
-    /// What is felt.
+    /// Scene and bench: the touches that are felt.
     #[command(flatten)]
     pub on: On,
     /// The finger: ROBOT/HAND/FINGER.
@@ -231,7 +231,7 @@ pub struct SkinArgs {
     /// A CAN interface of boards in place of the bench's skin; once per bus of the layout.
     #[arg(long, value_name = "IFACE", conflicts_with = "replay")]
     pub can: Vec<String>,
-    /// What crosses the network.
+    /// Payload that crosses the network.
     #[arg(long, value_enum, default_value_t = Kind::Contacts)]
     pub send: Kind,
     /// A recording in place of the scene's touches; one CSV per module, or a recording of buses.
@@ -255,10 +255,10 @@ pub struct SkinArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
-    /// How many connections frames cross.
+    /// Number of connections that frames cross.
     #[command(flatten)]
     pub twice: TwiceArgs,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,
 }
@@ -266,7 +266,7 @@ pub struct SkinArgs {
 /// Options of `palpate-link display`.
 #[derive(Debug, Args)]
 pub struct DisplayArgs {
-    /// What renders it.
+    /// Bench that renders it.
     #[command(flatten)]
     pub on: On,
     /// The finger that is felt: ROBOT/HAND/FINGER.
@@ -299,10 +299,10 @@ pub struct DisplayArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
-    /// How many connections frames cross.
+    /// Number of connections that frames cross.
     #[command(flatten)]
     pub twice: TwiceArgs,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,
 }
@@ -313,7 +313,7 @@ pub struct RelayArgs {
     /// Stop after so long (default: at Ctrl-C).
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: AtArgs,
 }
@@ -327,7 +327,7 @@ pub struct ListArgs {
     /// Wait so long for answers.
     #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 1.0)]
     pub seconds: f64,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,
 }
@@ -343,7 +343,7 @@ pub struct RecordArgs {
     /// Replace a file that is there.
     #[arg(long)]
     pub force: bool,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,
 }
@@ -386,7 +386,7 @@ pub struct KeysArgs {
     /// Someone who may read everything: `list` and `record`; repeatable.
     #[arg(long, value_name = "NAME")]
     pub watcher: Vec<String>,
-    /// How long the certificates count.
+    /// Validity of the certificates, days.
     #[arg(long, value_name = "DAYS", default_value_t = 365, value_parser = clap::value_parser!(i64).range(0..=3650))]
     pub days: i64,
 }
@@ -403,7 +403,7 @@ pub struct RosArgs {
     /// Stop after so long (default: at Ctrl-C).
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Where the others are.
+    /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,
 }

@@ -86,7 +86,7 @@ impl Views {
         self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Whether a key asked for the reference to be taken anew since the last call, and whether by force.
+    /// Tells whether a key asked for the reference to be taken anew since the last call; `true` asks by force.
     pub fn rezero(&self) -> Option<bool> {
         self.watch.as_ref()?.rezero()
     }

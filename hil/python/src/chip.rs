@@ -112,7 +112,7 @@ impl I2cBus {
         })
     }
 
-    /// What was done to the chip at an address that should not have been: time (ns) and what.
+    /// Hazards of the chip at an address: time (ns) and kind of each thing that should not have been done to it.
     fn hazards(&self, address: u8) -> PyResult<Vec<(u64, &'static str)>> {
         let chip = self.addresses.iter().position(|a| *a == address);
         self.with(|segment| {

@@ -125,7 +125,7 @@ fn values<T: bytemuck::Pod>(bytes: &[u8]) -> Cow<'_, [T]> {
 
 #[pymethods]
 impl Finder {
-    /// For recordings of this skin.
+    /// Finder for recordings of this skin.
     #[new]
     fn new(py: Python<'_>, layout: &str, wanted: Wanted) -> PyResult<Self> {
         free(py, || {
@@ -193,7 +193,8 @@ impl Finder {
         })
     }
 
-    /// So many contacts from this one on. Piece by piece, so that they are not in memory twice.
+    /// Returns `count` contacts from `begin` on. Python fetches them piece by piece, so that they are not in memory
+    /// twice.
     fn contacts(&self, py: Python<'_>, begin: usize, count: usize) -> PyResult<Table> {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let state = &*state;

@@ -29,7 +29,7 @@ fn expire(guard: &mut Guard, boards: &[Board], at: Instant) {
     }
 }
 
-/// What the guard of a setup leaves of stimuli that are sorted by time. Those of one time come together.
+/// Guards stimuli that are sorted by time, with the guard of a setup. Those of one time come together.
 #[pyfunction]
 pub fn guard(
     py: Python<'_>,

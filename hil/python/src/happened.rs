@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use crate::table::Table;
 use crate::tables::{self, About};
 
-/// What happened since the last time.
+/// Events since the last call.
 #[pyclass(frozen, module = "palpate._palpate")]
 #[derive(Debug)]
 pub struct Happened {

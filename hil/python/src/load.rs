@@ -19,7 +19,8 @@ const MOST: u64 = 256 << 20;
 /// Most buses of a recording.
 const BUSES: usize = 256;
 
-/// What a file holds by its first bytes: `taxels`, `buses`, `schedule`, `contacts`, or nothing that is read here.
+/// Tells the content of a file by its first bytes: `taxels`, `buses`, `schedule`, `contacts`, or none that is read
+/// here.
 #[pyfunction]
 pub fn kind(path: PathBuf) -> Option<&'static str> {
     match format_of(&path)? {

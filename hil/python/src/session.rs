@@ -381,12 +381,12 @@ impl Loop {
         })
     }
 
-    /// What presses on a module from now on: x and y (mm), force (N), diameter (mm).
+    /// Sets the presses on a module from now on: x and y (mm), force (N), diameter (mm).
     fn touch(&self, py: Python<'_>, module: usize, presses: Vec<[f64; 4]>) -> PyResult<()> {
         self.within(py, |state| state.touch(module, &presses))
     }
 
-    /// Of each wire its activation from the next onset on, and its pulses.
+    /// Sets each wire's activation from the next onset on, and its pulses.
     fn activate(&self, py: Python<'_>, values: Vec<f32>, pulses: Option<Vec<u8>>) -> PyResult<()> {
         self.within(py, |state| state.activate(&values, pulses.as_deref()))
     }
@@ -404,7 +404,7 @@ impl Loop {
         })
     }
 
-    /// How far every taxel is from its reference, counts, as bytes (f32); NaN for one that is left out.
+    /// Differences of all taxels from their references, counts, as bytes (f32); NaN for a taxel that is left out.
     fn changes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let changes = self.within(py, |state| state.changes())?;
         Ok(PyBytes::new(py, bytemuck::cast_slice(&changes)))
@@ -415,7 +415,7 @@ impl Loop {
         self.within(py, State::show)
     }
 
-    /// What happened since the last picture and how things are now, JSON.
+    /// Events since the last picture, and the present state, JSON.
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         self.within(py, State::picture)
     }
@@ -425,17 +425,17 @@ impl Loop {
         self.within(py, |state| Ok(state.taxels.clone()))
     }
 
-    /// Where the wires lie on the display, mm.
+    /// Places of the wires on the display, mm.
     fn wires(&self, py: Python<'_>) -> PyResult<Vec<(f64, f64)>> {
         self.within(py, |state| Ok(state.wires.clone()))
     }
 
-    /// From onset to onset, microseconds.
+    /// Time from onset to onset, microseconds.
     fn soa_us(&self, py: Python<'_>) -> PyResult<u64> {
         self.within(py, |state| Ok(state.soa_us))
     }
 
-    /// Of each wire its temperature and that of the skin under it, degrees C.
+    /// Temperature of each wire and of the skin under it, degrees C.
     fn temperatures(&self, py: Python<'_>) -> PyResult<Vec<(f64, f64)>> {
         self.within(py, State::temperatures)
     }

@@ -1,4 +1,4 @@
-//! What can-utils' `candump` writes: the log `(1436509052.249713) can0 104#938406805591BB0C` of `-l` and `-L`, and the
+//! Formats of can-utils' `candump`: the log `(1436509052.249713) can0 104#938406805591BB0C` of `-l` and `-L`, and the
 //! columns `(1436509052.249713)  can0  104   [8]  93 84 06 80 55 91 BB 0C` of a terminal.
 //!
 //! Text to frames and back with exact microseconds, nothing else: no files, no clock. Only classic data
@@ -19,7 +19,7 @@ pub struct Logged {
     pub frame: CanFrame,
 }
 
-/// Why a log cannot be read: the line (from 1) and what was expected there.
+/// Refusal of a log: the line (from 1) and what was expected there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: expected {expected}")]
 pub struct Malformed {
@@ -31,7 +31,7 @@ pub struct Malformed {
     pub before: usize,
 }
 
-/// What a line of a log holds.
+/// Content of a line of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Line {
     /// A classic data frame with an 11-bit identifier.
@@ -288,7 +288,7 @@ fn is_hex(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
-/// Whether a word is the length in a terminal's line: `[8]`, `[08]`, or `{F}` for a raw length code.
+/// Returns true if a word is the length in a terminal's line: `[8]`, `[08]`, or `{F}` for a raw length code.
 fn is_length(word: &str) -> bool {
     let inner = |open, close| word.strip_prefix(open)?.strip_suffix(close);
     inner('[', ']').or(inner('{', '}')).is_some_and(is_hex)

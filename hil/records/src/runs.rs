@@ -62,8 +62,7 @@ pub const MEASURED: [Measured; 17] = [
     of("taxel_hz", "taxel refresh, median", "Hz", "/taxels/refresh_hz/median"),
 ];
 
-/// The figures by which two results are told apart, the weightiest first: what is felt and where, what heat leaves, what it
-/// took.
+/// The figures that tell two results apart, the weightiest first: felt levels and places, margins of heat, and costs.
 pub const WEIGHTIEST: [&str; 16] = [
     "felt_level_db",
     "felt_breaks",

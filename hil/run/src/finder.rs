@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// Taxels named one by one.
 const NAMED: usize = 4;
 
-/// How contacts are looked for.
+/// Settings of the search for contacts.
 #[derive(Clone, Debug)]
 pub struct Search {
     /// Baseline that is subtracted from rows.
@@ -81,7 +81,7 @@ impl Finder {
         self.rows
     }
 
-    /// What is to be said of the skin so far: rows without a reference, a reference that was taken touched, taxels left out.
+    /// Remarks on the skin so far: rows without a reference, a reference that was taken touched, taxels left out.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

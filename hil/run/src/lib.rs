@@ -255,7 +255,7 @@ pub trait Host {
         None
     }
 
-    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
+    /// Hears the part of the run that has passed, from 0 to 1, after every turn; `true` ends the run.
     fn passed(&mut self, part: f64) -> bool {
         let _ = part;
         false

@@ -14,10 +14,10 @@ pub struct Onsets {
     pub touched: u64,
     /// Onsets at which every touch lay beyond the part of the skin that the display shows.
     pub off_pad: u64,
-    /// Onsets at which something was to be felt: a contact on the display, a touch on what it shows, or pulses of a texture
-    /// that has the display to itself.
+    /// Onsets that the person should feel: with a contact on the display, a touch on the part of the skin that it shows, or
+    /// pulses of a texture that has the display to itself.
     pub meant: u64,
-    /// Onsets that were to be felt and at which a touch made no contact.
+    /// Onsets that the person should feel and at which a touch made no contact.
     pub unfound: u64,
     /// Onsets that were to be felt and were; null where no person is emulated.
     pub felt: Option<u64>,

@@ -210,7 +210,7 @@ pub(crate) fn part(now: Instant, end: Instant) -> f64 {
     now.as_micros() as f64 / end.as_micros().max(1) as f64
 }
 
-/// When a scene ends.
+/// End of a scene.
 pub fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }

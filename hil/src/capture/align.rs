@@ -25,7 +25,7 @@ fn bit_of(name: &str) -> Option<(&str, usize)> {
     Some((bus, bit.parse().ok()?))
 }
 
-/// Whether all signals are bits of one bus: then their numbers count, and not their order in the file.
+/// Returns true if all signals are bits of one bus: then their numbers count, and not their order in the file.
 fn is_bus(signals: &[Signal]) -> bool {
     let mut buses = signals.iter().map(|s| bit_of(&s.name).map(|(bus, _)| bus));
     match buses.next() {
@@ -37,7 +37,7 @@ fn is_bus(signals: &[Signal]) -> bool {
 /// Pulses of a signal: rise and width, nanoseconds.
 pub(super) type Pulses = Vec<(f64, f64)>;
 
-/// What was seen of an output: its pulses, and from when to when its level is unknown, nanoseconds.
+/// Observation of an output: its pulses, and the times between which its level is unknown, nanoseconds.
 pub(super) type Watched = (Pulses, Vec<(f64, f64)>);
 
 /// Finds the signal of every output.

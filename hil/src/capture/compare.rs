@@ -80,7 +80,7 @@ pub struct Comparison {
 struct Seen<'a> {
     capture: &'a Capture,
     pulses: BTreeMap<Output, Pulses>,
-    /// From when to when each output's level is unknown, nanoseconds.
+    /// Times between which each output's level is unknown, nanoseconds.
     unseen: BTreeMap<Output, Vec<(f64, f64)>>,
     /// PRE_SCALE's period, nanoseconds.
     nominal: f64,

@@ -58,7 +58,7 @@ struct Dump {
     zero: Option<i128>,
     now: u64,
     changes: usize,
-    /// Since when nothing is recorded.
+    /// Time since which nothing is recorded.
     off: Option<u64>,
 }
 
@@ -131,7 +131,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
     Ok(capture)
 }
 
-/// What was expected, and found.
+/// Expectation and finding.
 type Wrong = (&'static str, String);
 
 impl Dump {

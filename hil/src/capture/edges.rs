@@ -10,9 +10,9 @@ pub struct Signal {
     pub edges: Vec<(u64, bool)>,
     /// Other names of it: with the scopes around it, and those of its aliases.
     pub addresses: Vec<String>,
-    /// From when to when its level is unknown, nanoseconds.
+    /// Times between which its level is unknown, nanoseconds.
     pub unseen: Vec<(u64, u64)>,
-    /// Since when its level is unknown.
+    /// Time since which its level is unknown.
     pub(super) lost: Option<u64>,
 }
 
@@ -25,9 +25,9 @@ pub struct Capture {
     pub resolution_ns: u64,
     /// Length of the capture, nanoseconds.
     pub end_ns: u64,
-    /// From when to when nothing was recorded, nanoseconds.
+    /// Times between which nothing was recorded, nanoseconds.
     pub unrecorded: Vec<(u64, u64)>,
-    /// What is wrong with the file, with its line, and what was had of it.
+    /// Defects of the file with their lines, and the part of it that was read.
     pub notes: Vec<String>,
 }
 
@@ -66,7 +66,7 @@ impl Signal {
         }
     }
 
-    /// Whether it has this name, among others.
+    /// Returns true if the signal has this name, among others.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {
         self.name == name || self.addresses.iter().any(|address| address == name)

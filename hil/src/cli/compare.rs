@@ -114,13 +114,13 @@ pub struct TestArgs {
     /// Say what would be tried, and run nothing.
     #[arg(long, conflicts_with_all = ["accept", "junit", "html"])]
     pub list: bool,
-    /// Keep what the runs do as the goldens of scenes that are files, in `goldens` beside them.
+    /// Keep the runs as the goldens of scenes that are files, in `goldens` beside them.
     #[arg(long)]
     pub accept: bool,
     /// Emulated trials at a time (default: as many as there are cores).
     #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
     pub jobs: Option<usize>,
-    /// On which bench.
+    /// Bench of the runs.
     #[command(flatten)]
     pub on: Buses,
     /// A value in place of each scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`), as for
@@ -142,7 +142,7 @@ pub struct TestArgs {
     /// Write the results as one page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }

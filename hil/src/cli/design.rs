@@ -30,7 +30,7 @@ pub struct Numbers(pub Vec<f64>);
 /// Options of `hil design`: lists between commas, of which every combination is computed.
 #[derive(Debug, Args)]
 pub struct DesignArgs {
-    /// Wires to start from, built in or files: what they are made of and how they lie on the finger.
+    /// Wires to start from, built in or files: their material and their seat on the finger.
     #[arg(
         long,
         value_name = "NAME|FILE,..",
@@ -70,7 +70,7 @@ pub struct DesignArgs {
     /// The person who feels it, built in or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
-    /// How long a wire is driven, s.
+    /// Time for which a wire is driven, s.
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = |t: &str| within(t, (3.0, 3600.0), " s"), allow_hyphen_values = true)]
     pub seconds: f64,
     /// Write every point as a table, .csv.
@@ -82,7 +82,7 @@ pub struct DesignArgs {
     /// Overwrite files that are no earlier output of hil.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }

@@ -7,16 +7,16 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::{positive, ranges, whole};
 
-/// What `hil list` shows.
+/// Shelves that `hil list` shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Shelf {
-    /// What touches which skin.
+    /// Scenes: touches of a skin, and their projection.
     Scenes,
-    /// Which hardware.
+    /// Benches: hardware, emulated or real.
     Benches,
-    /// Where taxels or wires are.
+    /// Layouts: places of taxels or wires.
     Layouts,
-    /// What the guard enforces.
+    /// Limits that the guard enforces.
     Limits,
     /// Emulated people.
     Persons,
@@ -24,9 +24,9 @@ pub enum Shelf {
     Wearers,
     /// Shape-memory wires.
     Wires,
-    /// What wires are made of.
+    /// Alloys: the materials of wires.
     Alloys,
-    /// From roughness to pulses.
+    /// Activations: maps from roughness to pulses.
     Activations,
     /// Tables of textures.
     Textures,
@@ -39,10 +39,10 @@ pub enum Shelf {
 /// Options of `hil list`.
 #[derive(Debug, Args)]
 pub struct ListArgs {
-    /// What to list (default: everything).
+    /// Shelves to list (default: all of them).
     #[arg(value_enum, hide_possible_values = false)]
     pub shelves: Vec<Shelf>,
-    /// The folder whose files are listed beside what is built in, with those below it; repeatable (default: this
+    /// The folder whose files are listed beside the built-in ones, with those below it; repeatable (default: this
     /// folder alone).
     #[arg(long, value_name = "DIR")]
     pub dir: Vec<PathBuf>,
@@ -99,12 +99,12 @@ pub enum NewKind {
     Protocol(NewProtocol),
 }
 
-/// What every new file has.
+/// Name and description of a new file.
 #[derive(Debug, Args)]
 pub struct NewFile {
-    /// Its name: lower-case letters, digits and hyphens.
+    /// Name of the file: lower-case letters, digits and hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// Description in a sentence.
     #[arg(long, value_name = "TEXT")]
     pub description: Option<String>,
     /// File to write, or a folder for NAME.toml (default: this folder).
@@ -115,16 +115,16 @@ pub struct NewFile {
     pub force: bool,
 }
 
-/// How a new scene's sphere moves.
+/// Motions of a new scene's sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Motion {
     /// Along the module and back.
     Line,
     /// Around its middle.
     Circle,
-    /// It rests in the middle.
+    /// Rest in the middle.
     Hold,
-    /// Nothing touches.
+    /// No touch.
     None,
 }
 
@@ -136,7 +136,7 @@ pub struct NewScene {
     /// Sensor layout: a built-in name or a file (default: uskin-4x4).
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: Option<String>,
-    /// How a sphere moves (default: line).
+    /// Motion of the sphere (default: line).
     #[arg(long, value_enum, value_name = "PATH")]
     pub path: Option<Motion>,
     /// Simulated length in seconds (default: 10).
@@ -169,7 +169,7 @@ pub struct NewBench {
     pub i2c: Vec<PathBuf>,
 }
 
-/// What a new layout is of.
+/// Kinds of new layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LayoutKind {
     /// Taxels of a skin.
@@ -192,7 +192,7 @@ pub struct NewLayout {
     /// Columns, from left to right (default: 4).
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub columns: Option<u16>,
-    /// Between neighbours, both ways, mm (default: 4.7).
+    /// Distance between neighbours, both ways, mm (default: 4.7).
     #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true)]
     pub pitch_mm: Option<f64>,
 }
@@ -223,7 +223,7 @@ pub struct NewProtocol {
     pub like: String,
 }
 
-/// What `hil export` writes.
+/// Files that `hil export` writes.
 #[derive(Debug, Subcommand)]
 pub enum ExportKind {
     /// The raw readings of a scene's emulated skin, as a recording that `hil run --replay` takes.

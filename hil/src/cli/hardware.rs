@@ -22,7 +22,7 @@ pub struct RecordArgs {
     /// Overwrite files that are no earlier output of hil.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }
@@ -32,13 +32,13 @@ pub struct RecordArgs {
 pub struct ReplayArgs {
     /// The recording, .log (candump) or .mcap.
     pub file: PathBuf,
-    /// Where the clock jumps, play what follows right after what came before.
+    /// Take jumps of the clock out: play what follows one right after what came before it.
     #[arg(long)]
     pub split_jumps: bool,
     /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
     #[arg(long, value_name = "IFACE", required = true)]
     pub can: Vec<String>,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }
@@ -69,10 +69,10 @@ pub struct OffArgs {
     /// A driver unit in place of a bench: it switches off under any host, and no host goes on by itself.
     #[command(flatten)]
     pub unit: UnitOn,
-    /// Also clear a latched stop. Look at the bench first.
+    /// Clear a latched stop too. Look at the bench first.
     #[arg(long)]
     pub unlatch: bool,
-    /// Also forget the heat of its hardware, and the dose of who wears it and has no name: type the bench's name, or the
+    /// Forget the heat of its hardware too, and the dose of a wearer without a name: type the bench's name, or the
     /// unit's address. For another wearer, or one who has rested.
     #[arg(long, value_name = "BENCH")]
     pub forget_heat: Option<String>,
@@ -90,7 +90,7 @@ pub struct PulseArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
-    /// Its driver unit.
+    /// Driver unit of the bench.
     #[command(flatten)]
     pub unit: UnitOn,
     /// The display whose wire it is, of a bench of several.
@@ -102,7 +102,7 @@ pub struct PulseArgs {
     /// Heat the wire without a question. Needed where standard input is no terminal.
     #[arg(long)]
     pub yes: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }
@@ -119,7 +119,7 @@ pub struct GuardianArgs {
     /// Silence after which the run counts as hung.
     #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
     pub heartbeat_ms: u64,
-    /// What one transfer may take.
+    /// Time that one transfer may take.
     #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
     pub transfer_ms: u64,
 }
@@ -127,7 +127,7 @@ pub struct GuardianArgs {
 /// Options of `hil emulate`.
 #[derive(Debug, Args)]
 pub struct EmulateArgs {
-    /// A built-in bench or a file (default: what the scene wants, or emulated).
+    /// A built-in bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).

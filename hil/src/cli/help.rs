@@ -6,7 +6,7 @@ use clap::{Command, CommandFactory};
 
 use super::Cli;
 
-/// Commands by what they are for. One that no group names stands in the last.
+/// Commands by purpose. One that no group names stands in the last.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "serve", "sweep", "design"]),
     ("Compare", &["diff", "compare", "test", "review"]),
@@ -96,7 +96,7 @@ fn groups(command: &Command) -> String {
     text
 }
 
-/// What a command does, in its first sentence.
+/// The first sentence of a command's description.
 fn sentence(command: &Command) -> String {
     let about = command.get_about().map(ToString::to_string);
     let about = about.unwrap_or_default();

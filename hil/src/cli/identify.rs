@@ -7,7 +7,7 @@ use palpate_files::TimeColumn;
 
 use super::{Voice, ranges, rate};
 
-/// What a trace measures.
+/// Quantities that a trace measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SignalArg {
     /// A column displacement_um: the wire's middle, positive towards the finger.
@@ -21,7 +21,7 @@ pub enum SignalArg {
 pub struct IdentifyArgs {
     /// The trace (CSV): time_us, current_a, and displacement_um or resistance_ohm. A current holds from its row on.
     pub trace: PathBuf,
-    /// What it measures.
+    /// Quantity that the trace measures.
     #[arg(long, value_enum, default_value = "displacement")]
     pub signal: SignalArg,
     /// The bench whose wire, mount and finger it was taken of (default: emulated).
@@ -38,11 +38,10 @@ pub struct IdentifyArgs {
     /// Rows per second of a trace without times.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
-    /// `time_us`).
+    /// The column of times, and its unit: s, ms, us or ns (default: a first column `time_us`).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }

@@ -1,4 +1,4 @@
-//! What a mistyped command line meant: a command, a scene, an option of another name or place.
+//! Guesses at a mistyped command line: a command, a scene, an option of another name or place.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -10,7 +10,7 @@ use palpate_files::nearest;
 
 use super::command;
 
-/// Options that have another name now: the command, what it was, what it is. An empty name was a place on the line.
+/// Options that have another name now: the command, the old and the new name. An empty name was a place on the line.
 const RENAMED: [(&str, &str, &str); 14] = [
     ("run", "--report", "--html FILE"),
     ("run", "--felt", "--person NAME"),
@@ -116,7 +116,7 @@ fn another_command(
     near.map(str::to_owned).ok_or(None)
 }
 
-/// Whether a word names a built-in scene or a file of settings.
+/// Returns true if a word names a built-in scene or a file of settings.
 fn is_scene(word: &str) -> bool {
     let named = palpate_fixtures::scene_names().any(|name| name == word);
     named || Path::new(word).extension().is_some_and(|e| e == "toml")

@@ -1,4 +1,4 @@
-//! What a shell completes: built-in names, files of their kind in this folder, laws, keys and commands.
+//! Candidates for a shell's completion: built-in names, files of their kind in this folder, laws, keys and commands.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::shown;
 /// The variable by which a shell's script asks this program for candidates.
 pub const VARIABLE: &str = "HIL_COMPLETE";
 
-/// What may stand for an argument beside a path.
+/// Candidates for an argument beside a path.
 #[derive(Clone, Copy)]
 enum Names {
     /// Built-in files of a kind, and those of the folder.

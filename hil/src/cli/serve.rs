@@ -12,10 +12,10 @@ pub struct ServeArgs {
     /// A built-in scene or a file (default: sphere-along), or one or two recordings of runs (.mcap), or folders with them.
     #[arg(value_name = "SCENE|FILE", num_args = 0..=2)]
     pub what: Vec<String>,
-    /// On which bench.
+    /// Bench of the run.
     #[command(flatten)]
     pub on: Buses,
-    /// Where: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
+    /// Address: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
     pub at: SocketAddr,
     /// Open the page in this computer's browser (xdg-open).
@@ -24,7 +24,7 @@ pub struct ServeArgs {
     /// Begin a scene anew whenever its run is over, until Ctrl-C or STOP. Emulated benches only.
     #[arg(long = "loop")]
     pub again: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }

@@ -7,14 +7,14 @@ use clap::{Args, Subcommand};
 
 use super::{Buses, NewProtocol, SERVE_AT, serve_at};
 
-/// What to do with a study.
+/// Actions on a study.
 #[derive(Debug, Subcommand)]
 pub enum StudyAction {
     /// Write a protocol of one's own, which begins as a built-in one.
     New(NewProtocol),
     /// Conduct a participant's session: prints the addresses of the participant's and the experimenter's page.
     Run(StudyRunArgs),
-    /// Write what the answers say into DIR/analysis: a page with figures, tables, wearers' files.
+    /// Write the analysis of the answers into DIR/analysis: a page with figures, tables, wearers' files.
     Analyse(AnalyseArgs),
     /// Let simulated people answer a protocol, and print how well their truth is found again, and how many people a
     /// difference needs.
@@ -33,10 +33,10 @@ pub struct StudyRunArgs {
     /// The study's folder: one protocol, all participants.
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
-    /// On which bench. The seed is that of orders.
+    /// Bench of the study. The seed is that of orders.
     #[command(flatten)]
     pub on: Buses,
-    /// Where the pages are served: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
+    /// Address of the pages: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
     pub at: SocketAddr,
     /// Go on with a session of this number that is not over.
@@ -70,7 +70,7 @@ pub struct SimulateArgs {
     /// A built-in protocol or a file.
     #[arg(value_name = "NAME|FILE")]
     pub protocol: String,
-    /// How many people answer; of a rating half of them rate each condition.
+    /// Number of people who answer; half of them rate each condition of a rating.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 10_000>, allow_hyphen_values = true)]
     pub people: u32,
     /// Seed of the people and their answers.

@@ -47,7 +47,7 @@ pub struct SweepArgs {
     /// Seeds of every combination: 1..20 (both ends count), 1..20:2, or 3,5,8.
     #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds, allow_hyphen_values = true)]
     pub seeds: Seeds,
-    /// A built-in emulated bench or a file (default: what the scene wants, or emulated).
+    /// A built-in emulated bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// The table, .csv or .jsonl. Rows that it has are not computed again.
@@ -66,7 +66,7 @@ pub struct SweepArgs {
     /// Overwrite files that are no earlier output of hil, and rows of another sweep.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }
@@ -78,7 +78,7 @@ pub struct CompareArgs {
     pub a: PathBuf,
     /// Another one of its kind (default: the folder's summaries are shown over time).
     pub b: Option<PathBuf>,
-    /// By how much numbers may differ and count as equal, percent of the larger one.
+    /// Difference that counts as equal, percent of the larger number.
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |t: &str| within(t, (0.0, 100.0), ""), allow_hyphen_values = true)]
     pub tolerance_percent: f64,
     /// Write a page: figures beside each other, or the trends of a folder.
@@ -90,13 +90,13 @@ pub struct CompareArgs {
     /// Overwrite files that are no earlier output of hil.
     #[arg(short = 'f', long, requires = "html")]
     pub force: bool,
-    /// How much it says.
+    /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,
 }
 
 impl Command {
-    /// Whether it says nothing while it works.
+    /// Returns true if the command says nothing while it works.
     pub fn is_quiet(&self) -> bool {
         match self {
             // A live view has the terminal.

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 
 use super::{positive, rate};
 
-/// What to do with the texture model.
+/// Actions on the texture model.
 #[derive(Debug, Subcommand)]
 pub enum TextureAction {
     /// Record strokes over emulated textures, to train on.
@@ -49,7 +49,7 @@ pub struct StrokesArgs {
     /// Overwrite files that are no earlier output of hil.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// What is stroked.
+    /// Surfaces that are stroked.
     #[command(flatten)]
     pub of: Strokes,
     /// Draw force, speed, tilt and direction of every stroke widely and independently, in place of one person's habits.
@@ -84,7 +84,7 @@ pub struct MapArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// What is stroked.
+    /// Surfaces that are stroked.
     #[command(flatten)]
     pub of: Strokes,
     /// Seed of the strokes; the default model was trained on those of seed 1.
@@ -124,10 +124,10 @@ pub struct MaterialsArgs {
     /// The table to write (.toml).
     #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
-    /// How many.
+    /// Number of materials.
     #[arg(long, value_name = "N", default_value_t = 350, value_parser = super::whole::<u32, 1, 9999>, allow_hyphen_values = true)]
     pub count: u32,
-    /// How many of them are not to be trained on, the last ones.
+    /// Number of those that are not to be trained on, the last ones.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = super::whole::<u32, 0, 9999>, allow_hyphen_values = true)]
     pub unseen: u32,
     /// Seed of their properties.
@@ -166,7 +166,7 @@ pub struct PanelArgs {
         default_value = palpate_files::DEFAULT_BENCH
     )]
     pub bench: String,
-    /// Whose fingers feel the display, built in or a file.
+    /// Person whose fingers feel the display: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
     /// Duty of a pulse; left out: what eight wires of the default bench bear at the densest.
@@ -206,10 +206,10 @@ pub struct EncodeArgs {
     /// is refused.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column time_us).
+    /// The column of times, and its unit: s, ms, us or ns (default: a first column time_us).
     #[arg(long, value_name = "COLUMN[:UNIT]")]
     pub time: Option<palpate_files::TimeColumn>,
-    /// Encode rows of another rate than the model was trained on, and say so.
+    /// Encode rows of another rate than the model was trained on, with a note.
     #[arg(long)]
     pub any_rate: bool,
     /// Print a JSON array in place of CSV.

@@ -10,7 +10,7 @@ use palpate_files::Overrides;
 /// Options of `hil unit`.
 #[derive(Debug, Args)]
 pub struct UnitArgs {
-    /// Where to listen: ADDRESS or ADDRESS:PORT. 0.0.0.0 lets other computers in; a key is needed in any case.
+    /// Listen at ADDRESS or ADDRESS:PORT. 0.0.0.0 lets other computers in; a key is needed in any case.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", value_parser = address)]
     pub at: SocketAddr,
     /// The file of the key that its host has too; its owner alone may read it.

@@ -86,7 +86,7 @@ fn quarantine(args: &TestArgs, suite: &Suite) -> Result<Quarantine, FileError> {
     Quarantine::read(&Source::open(path)?, &names)
 }
 
-/// What failed when the folder was last tried, where only that is wanted.
+/// Trials that failed when the folder was last tried, where only those are wanted.
 fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, String)>>, Failure> {
     if !args.last_failed {
         return Ok(None);
@@ -100,7 +100,7 @@ fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, S
     Ok(Some(last::failed(folder)?).filter(|failed| !failed.is_empty()))
 }
 
-/// What the files of results may replace.
+/// Permission of the files of results to replace others.
 const fn outputs(args: &TestArgs) -> Outputs<'static> {
     Outputs::of(args.force)
 }
@@ -111,13 +111,13 @@ fn pages(args: &TestArgs) -> impl Iterator<Item = (&PathBuf, Format)> {
     junit.chain(args.html.iter().map(|path| (path, Format::Html)))
 }
 
-/// What all trials of a command share.
+/// Common state of all trials of a command.
 struct Run<'a> {
     args: &'a TestArgs,
     color: Color,
-    /// Whether trials are told as they end.
+    /// True if trials are told as they end.
     told: bool,
-    /// Whether the benches are emulated or real.
+    /// Word for the benches: emulated or real.
     source: &'static str,
     quarantine: Quarantine,
     /// Scene and bench of what failed last, where nothing else is tried.
@@ -194,7 +194,7 @@ impl Run<'_> {
         Ok((trials, halt))
     }
 
-    /// What all came to, on standard output and in files.
+    /// Tells the result of all trials, on standard output and in files.
     fn tell(&self, suites: &[(String, Vec<Trial>)], halt: Option<Halt>) -> Result<(), Failure> {
         let trials: Vec<&Trial> = suites.iter().flat_map(|(_, trials)| trials).collect();
         let verdict = if !trials.iter().any(|t| t.end.is_tried()) {

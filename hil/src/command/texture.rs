@@ -98,7 +98,7 @@ fn features(model: &TextureModel) -> Take<'_> {
 struct Windows<'a> {
     model: &'a TextureModel,
     args: &'a EncodeArgs,
-    /// When the first rows came, until the first window is full.
+    /// Times of the first rows, until the first window is full.
     times: Vec<u64>,
     /// The rate, where it is another than the model's and was asked for.
     other_hz: Option<f64>,
@@ -186,7 +186,7 @@ impl<'a> Windows<'a> {
         Ok(())
     }
 
-    /// What is to be said of the recording, once its end is reached.
+    /// Remarks on the recording, once its end is reached.
     fn notes(&mut self) -> Vec<String> {
         let mut notes = self.rows.notes();
         let known = self.model.rate_hz();

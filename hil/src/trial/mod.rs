@@ -39,15 +39,15 @@ pub enum TrialEnd {
     Noted(Conclusion),
     /// Everything was as expected, after the failed tries that are listed.
     Unstable(Vec<String>),
-    /// Not as expected, or the run failed, with the verdict and its reasons.
+    /// An unexpected end, or a run that failed, with the verdict and its reasons.
     Failed(Conclusion),
     /// Failed, but known to: why it failed, and the reason in the quarantine file.
     Quarantined(Conclusion, String),
-    /// Not run: what the scene wants and the bench lacks.
+    /// A trial that was not run, with the thing that the scene wants and the bench lacks.
     Refused(String),
-    /// Not run, and why.
+    /// A trial that was not run, and the reason.
     Skipped(String),
-    /// Not run because its files are wrong: what is wrong with them.
+    /// A trial that was not run because its files are wrong, and the error.
     Broken(String),
 }
 
@@ -162,11 +162,11 @@ pub struct Try {
     pub wrong: Conclusion,
     /// The run's own verdict where it is none that fails; [`Verdict::Ok`] where there is nothing to note.
     pub noted: Conclusion,
-    /// Why no further trial can be run.
+    /// The reason for which no further trial can be run.
     pub halt: Option<Halt>,
 }
 
-/// Why the trials end before all were run.
+/// Reasons for which the trials end before all were run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Halt {
     /// A person ended them: the signal.

@@ -1,10 +1,10 @@
-//! What a family finds: rows of a table, figures, and sentences below them.
+//! Findings of a family: rows of a table, figures, and sentences below them.
 
 use serde::Serialize;
 
 use crate::units;
 
-/// How far off a method is, with the unit and kind of the error.
+/// Error of a method, with its unit and kind.
 pub type Error = (f64, &'static str);
 
 /// For what has a run time and no error.
@@ -15,45 +15,45 @@ pub const NO_ERROR: Error = (f64::NAN, "");
 pub struct Row {
     /// The family's name.
     pub family: &'static str,
-    /// What was computed.
+    /// Case that was computed.
     pub case: String,
-    /// How; `default` is what the program uses.
+    /// Method that computed it; `default` is the program's.
     pub method: String,
-    /// How far off, in `error_unit`; JSON writes null for what is no number (a method that diverged).
+    /// Error in `error_unit`; JSON writes null for what is no number (a method that diverged).
     pub error: f64,
     /// Unit and kind of the error.
     pub error_unit: &'static str,
     /// Median run time of the case, microseconds; null where only the error counts.
     pub median_us: f64,
-    /// Whether it is another project's method.
+    /// True for another project's method.
     pub peer: bool,
 }
 
 /// A drawing with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Its file's name, after the family's: lower case with hyphens.
+    /// Name of the figure's file, after the family's: lower case with hyphens.
     pub name: String,
-    /// Its heading.
+    /// Heading of the figure.
     pub title: String,
-    /// What it shows.
+    /// Description of the figure.
     pub words: String,
     /// The drawing, an SVG element that takes its colours from the page.
     pub svg: String,
-    /// What the colours mean, as HTML.
+    /// Meanings of the colours, as HTML.
     pub legend: String,
     /// The drawing as a file has it, with title and legend; left out: as the page has it.
     pub alone: Option<String>,
 }
 
-/// What a family found.
+/// Findings of a family.
 #[derive(Clone, Debug)]
 pub struct Findings {
     /// The family's name.
     pub family: &'static str,
     /// The table.
     pub rows: Vec<Row>,
-    /// What a person reads in its place where rows are many; empty where they read the rows.
+    /// Table for people in place of many rows; empty where they read the rows.
     pub table: String,
     /// The figures.
     pub figures: Vec<Figure>,

@@ -1,4 +1,4 @@
-//! What the guard costs: every wire of the worn module driven at one onset.
+//! Cost of the guard: every wire of the worn module driven at one onset.
 
 use std::hint::black_box;
 

@@ -67,7 +67,7 @@ const FAMILIES: [(&str, &[Measure]); 11] = [
 #[derive(Debug, Parser)]
 #[command(name = "palpate-bench", version)]
 struct Arguments {
-    /// What to measure (default: every family).
+    /// Family to measure (default: every family).
     #[arg(value_parser = FAMILIES.map(|f| f.0))]
     family: Option<String>,
     /// Write bench.html, bench.json and the plots (SVG) into this folder.

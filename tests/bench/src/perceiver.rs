@@ -1,4 +1,4 @@
-//! What the model of a person costs beside the wires that it feels, and how exact it is beside another integrator.
+//! Cost of the model of a person beside the wires that it feels, and its exactness beside another integrator.
 
 use std::time::Duration;
 

@@ -7,16 +7,16 @@ use std::fmt::Write;
 use crate::findings::Figure;
 
 const SIZE: (f64, f64) = (860.0, 430.0);
-/// Of a plane, which is about square.
+/// Size of a drawing of a plane, which is about square, pixels.
 const PLANE: (f64, f64) = (704.0, 680.0);
-/// Where rows of a legend begin, pixels.
+/// Place at which rows of a legend begin, pixels.
 const LEGEND: f64 = 64.0;
-/// What decades reach beyond the outermost points at least.
+/// Least reach of decades beyond the outermost points.
 const MARGIN: f64 = 2.0;
 /// Colours of the style sheet.
 const COLOURS: usize = 8;
 
-/// How the points of a series are drawn.
+/// Marks that draw the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// Large dots, joined: what the program uses.
@@ -38,9 +38,9 @@ pub enum Mark {
 /// Points of one name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// As the legend says it.
+    /// Name of the series in the legend.
     pub name: String,
-    /// How they are drawn.
+    /// Mark of its points.
     pub mark: Mark,
     /// Points in the axes' units; those that are no numbers are left out.
     pub points: Vec<(f64, f64)>,
@@ -118,7 +118,7 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// Where a plot stands in a drawing, pixels.
+/// Place of a plot in a drawing, pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Area {
     /// Upper left corner of its frame.
@@ -134,7 +134,7 @@ pub struct Plot<'a> {
     pub x: Axis<'a>,
     /// Upwards.
     pub y: Axis<'a>,
-    /// What is drawn.
+    /// Series that are drawn.
     pub series: Vec<Series>,
 }
 
@@ -312,7 +312,7 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// What the colours mean, as HTML.
+    /// Meanings of the colours, as HTML.
     pub fn legend(&self) -> String {
         let mut out = String::from("<div class=\"legend\">");
         for (i, series) in self.series.iter().enumerate() {
@@ -335,7 +335,7 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// Whether a mark's points are joined.
+/// Returns true if a mark's points are joined.
 const fn is_joined(mark: Mark) -> bool {
     matches!(mark, Mark::Ours | Mark::Swept | Mark::Line)
 }
@@ -350,7 +350,8 @@ fn colour(i: usize) -> String {
     format!("w{}", i % COLOURS)
 }
 
-/// What the program uses, and what would be lost as a single small dot, stand out.
+/// Class of a series' dots: the program's own points stand out, and so does one that would be lost as a single small
+/// dot.
 fn dots_class(series: &Series, i: usize) -> String {
     let size = match series.mark {
         Mark::Ours | Mark::Places => "dots big",

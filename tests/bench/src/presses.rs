@@ -12,12 +12,12 @@ const REFERENCE: usize = 10;
 /// Raw counts of an untouched taxel.
 const REST: [f32; 3] = [32_000.0, 31_000.0, 22_000.0];
 
-/// What touches a skin.
+/// Presses that touch a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Presses {
     /// One press on every module, so many taxels of each (module m of n: [`Presses::on_module`]).
     EveryModule(usize),
-    /// So many presses on the skin's plane, so many taxels altogether.
+    /// A number of presses on the skin's plane, and a number of taxels altogether.
     Skin {
         /// Presses.
         presses: usize,

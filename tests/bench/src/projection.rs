@@ -50,7 +50,7 @@ impl CanBus for OneScan {
     }
 }
 
-/// What the guard let through.
+/// Stimuli that the guard let through.
 #[derive(Default)]
 struct Tally {
     stimuli: usize,

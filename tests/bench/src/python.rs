@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 
 use palpate_run::Failure;
 
-/// What `script` answers to `question`; none where no Python is named.
+/// Answer of `script` to `question`; none where no Python is named.
 ///
 /// # Errors
 /// A Python that cannot be started, fails, or answers something else.

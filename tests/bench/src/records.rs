@@ -1,4 +1,4 @@
-//! What recording costs: a minute of a hand of 240 taxels, each record written to a file; and what handing a
+//! Cost of recording: a minute of a hand of 240 taxels, each record written to a file; and the time that handing a
 //! turn over to the journal takes from the loop.
 
 use std::fs;

@@ -74,7 +74,7 @@ struct Rig {
     onset: u64,
 }
 
-/// What was measured of one method.
+/// Measurements of one method.
 #[derive(Default)]
 struct Measured {
     us: Samples,

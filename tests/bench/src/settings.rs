@@ -1,4 +1,4 @@
-//! What settings bring and cost: path and felt error of whole runs against the time of the loop.
+//! Gains and costs of settings: path and felt error of whole runs against the time of the loop.
 
 use palpate_core::contact::Norm;
 use palpate_files::Scene;
@@ -22,11 +22,11 @@ pub struct Sweep {
     pub values: &'static [f64],
     method: fn(f64) -> String,
     pub change: fn(&mut Scene, f64),
-    /// Whether its values trade time for error.
+    /// True if its values trade time for error.
     drawn: bool,
 }
 
-/// What is tried, one setting at a time.
+/// Settings that are tried, one at a time.
 pub const SWEEPS: [Sweep; 7] = [
     Sweep {
         name: "K_C",

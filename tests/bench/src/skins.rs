@@ -103,7 +103,7 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What compression does with a scan, by itself.
+/// Stages of compression for a scan, by themselves.
 struct Alone {
     baseline: Baseline,
     relative: RelativeFrame,

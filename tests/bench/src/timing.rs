@@ -92,7 +92,7 @@ impl Samples {
         self.0.push(us);
     }
 
-    /// How many there are.
+    /// Number of samples.
     pub const fn len(&self) -> usize {
         self.0.len()
     }

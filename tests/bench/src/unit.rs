@@ -1,4 +1,4 @@
-//! What a driver unit costs: its turns, a seal, and a stimulus by its integer rows beside the whole guard.
+//! Cost of a driver unit: its turns, a seal, and a stimulus by its integer rows beside the whole guard.
 //!
 //! Bus and network take no time here. What a microcontroller takes is counted in instructions by `ci/unit`.
 
@@ -23,7 +23,7 @@ const TURNS: u64 = 20_000;
 /// Samples of each method of a race.
 const SAMPLES: usize = 200;
 const BUDGET: Wall = Wall::from_secs(3);
-/// Where the unit's clock stands at its start.
+/// Time of the unit's clock at its start.
 const START: Instant = Instant::from_micros(1_000_000);
 /// Between two plans: long enough for the unit to play each in full.
 const CADENCE: Duration = Duration::from_millis(2000);

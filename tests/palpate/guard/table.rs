@@ -109,13 +109,13 @@ fn text() -> String {
         pub(super) const DECAYS: usize = {DECAYS};\n\n\
         /// Rate of the slowest decay, 1/s; each is twice as fast as the one before.\n\
         pub(super) const SLOWEST: f64 = {:.9};\n\n\
-        /// What released latent heat may add at 0.1 mm, to its mean over 10 s, and at 0.4 mm, K.\n\
+        /// Most that released latent heat adds at 0.1 mm, to its mean over 10 s, and at 0.4 mm, K.\n\
         pub(super) const LATENT_K: [f64; 3] = {LATENT_K:?};\n\n\
         /// Diameters of the rows, nm.\n\
         pub(super) const DIAMETERS_NM: [u32; {}] = {diameters:?};\n\n\
         /// Lengths of the rows, as (5 mm / length) squared: what the ends take. The first is a wire without ends.\n\
         pub(super) const LENGTHS: [f64; {}] = {takes:?};\n\n\
-        /// What each decay makes of a joule for 5 mm of wire, K: by diameter, by length, at 0.1 and at 0.4 mm.\n\
+        /// Temperature that a joule makes in each decay for 5 mm of wire, K: by diameter, by length, at 0.1 and at 0.4 mm.\n\
         #[rustfmt::skip]\n\
         pub(super) const ROWS: [[[[f64; DECAYS]; 2]; {}]; {}] = [\n",
         table_rates()[0],

@@ -1,7 +1,7 @@
-//! Taxel health: which taxels still tell something.
+//! Taxel health: the taxels that still carry information.
 //!
-//! Boards repeat stale rows silently, so what counts is how often a taxel's value changes, not how often a frame
-//! arrives. This only reports; the loop decides what to leave out.
+//! Boards repeat stale rows silently, so the changes of a taxel's value count, not the frames that arrive. The
+//! monitor only reports; the loop decides on the taxels to leave out.
 
 mod taxels;
 
@@ -17,16 +17,16 @@ use taxels::Taxels;
 /// Limits of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HealthSettings {
-    /// Received, but unchanged for longer than this: frozen.
+    /// Age of an unchanged value beyond which a taxel that is received is frozen.
     pub frozen_after: Duration,
-    /// Not received for longer than this, or never within this time: dead.
+    /// Age of the newest reading beyond which a taxel is dead; a taxel never received for this long is dead too.
     pub dead_after: Duration,
-    /// A change of an axis from one reading to the next beyond this is a jump, counts.
+    /// Change of an axis from one reading to the next beyond which it is a jump, counts.
     pub jump_counts: u16,
 }
 
 impl Default for HealthSettings {
-    /// One second for both times, 20,000 counts.
+    /// Limits of one second for both times, and of 20,000 counts.
     fn default() -> Self {
         Self {
             frozen_after: Duration::from_millis(1000),
@@ -36,24 +36,24 @@ impl Default for HealthSettings {
     }
 }
 
-/// What is wrong with a taxel, the worst first.
+/// Conditions of a taxel, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Condition {
-    /// Not part of the run.
+    /// A taxel that is no part of the run.
     Inactive,
-    /// Never received, or not for long.
+    /// A taxel that was never received, or not for long.
     Dead,
-    /// Received, but its value stands still.
+    /// A taxel that is received, but whose value stands still.
     Frozen,
-    /// An axis is at the end of its range, and that is not where its skin rests.
+    /// A taxel with an axis at an end of its range where its skin does not rest.
     Saturated,
-    /// Three jumps without 16 quiet readings after each.
+    /// A taxel with three jumps without 16 quiet readings after each.
     Jumping,
-    /// Nothing.
+    /// A taxel without a defect.
     Good,
 }
 
-/// From three jumps in short order on.
+/// Least tally of a taxel that jumps: three jumps in short order.
 const JUMPING: u16 = 40;
 
 /// Counts of conditions and the refresh rate over the active taxels.
@@ -61,7 +61,7 @@ const JUMPING: u16 = 40;
 pub struct HealthSummary {
     /// Median over taxels of value changes per second.
     pub refresh_median_hz: f32,
-    /// The slowest taxel's.
+    /// Value changes per second of the slowest taxel.
     pub refresh_min_hz: f32,
     /// Median over taxels of readings per second.
     pub received_median_hz: f32,
@@ -103,7 +103,7 @@ impl Monitor {
         }
     }
 
-    /// Takes a frame of the whole skin. Returns whether any taxel changed; a scan of another layout is ignored.
+    /// Takes a frame of the whole skin. Returns true if any taxel changed; a scan of another layout is ignored.
     pub fn observe(&mut self, scan: &Scan) -> bool {
         if scan.counts().len() != self.taxels.active.len() {
             return false;
@@ -130,14 +130,14 @@ impl Monitor {
         seen.well
     }
 
-    /// Whether [`Self::observe_module`] was true of a module's newest scan, and is still at `now`: no taxel has to be looked
-    /// at by itself then.
+    /// Returns true if [`Self::observe_module`] was true of a module's newest scan and still is at `now`. The caller
+    /// then needs to look at no taxel by itself.
     pub fn is_well(&self, module: usize, now: Instant) -> bool {
         let lasts = |at| now.since(at) <= self.settings.dead_after;
         self.taxels.well_at(module).is_some_and(lasts)
     }
 
-    /// What is wrong with a taxel at `now`; the worst of several.
+    /// The condition of a taxel at `now`; the worst of several.
     pub fn condition(&self, index: usize, now: Instant) -> Condition {
         let t = &self.taxels;
         if !t.active.get(index).is_some_and(|active| *active) {
@@ -163,12 +163,12 @@ impl Monitor {
         }
     }
 
-    /// Whether a taxel's newest reading jumped: one such reading is no touch.
+    /// Returns true if a taxel's newest reading jumped: one such reading is no touch.
     pub fn has_jumped(&self, index: usize) -> bool {
         self.taxels.has_jumped(index)
     }
 
-    /// Readings of a taxel so far, and when the last one came; `None` if none did.
+    /// Readings of a taxel so far, and the time of the last one; `None` if none came.
     pub fn received(&self, index: usize) -> Option<(u32, Instant)> {
         self.taxels.received(index)
     }
@@ -187,8 +187,8 @@ impl Monitor {
         (rate(changed), rate(received.saturating_sub(1)))
     }
 
-    /// The summary at `now`, where every taxel counts by its condition or a worse one that was found before, of all taxels
-    /// or none; allocates nothing.
+    /// The summary at `now`. Every taxel counts by its condition or a worse one of `worst`, which has all taxels or
+    /// none. Allocates nothing.
     pub fn summary(&mut self, worst: &[Condition], now: Instant) -> HealthSummary {
         let mut s = HealthSummary {
             frames: self.frames,

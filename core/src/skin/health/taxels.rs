@@ -1,4 +1,4 @@
-//! What is known of every taxel, and how a scan adds to it: mostly many taxels in one go, else taxel by taxel.
+//! Knowledge of every taxel, and its update by a scan: mostly many taxels in one go, else taxel by taxel.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -9,34 +9,34 @@ use super::{HealthSettings, JUMPING};
 use crate::units::Instant;
 use crate::vector::Vectors;
 
-/// All readings but two: both ends, or one end and what is beside the other.
+/// All readings but two: both ends, or one end and its neighbour beside the other.
 const SPAN: u16 = u16::MAX - 2;
 
-/// So many scans in one go keep their changes in few bytes per taxel, before they are added up.
+/// Number of scans taken in one go that keep their changes in few bytes per taxel, before they are added up.
 const BRIEF: usize = 128;
 
 /// A module's taxels together.
 #[derive(Clone, Debug)]
 struct Together {
     range: Range<usize>,
-    /// Scans that were taken in one go, and when the newest of them came: on top of what its taxels know.
+    /// Scans that were taken in one go, and the time of the newest: on top of the counts of its taxels.
     scans: u32,
     at: Instant,
-    /// When those of them came whose changes are kept briefly: [`BRIEF`] at most.
+    /// Times of those scans whose changes are kept briefly: [`BRIEF`] at most.
     brief: Vec<Instant>,
-    /// Whether every active taxel was received and none has jumped lately.
+    /// True if every active taxel was received and none has jumped lately.
     calm: bool,
-    /// When the newest scan came, if every active taxel was in it and well.
+    /// Time of the newest scan, if every active taxel was in it and well.
     well_at: Option<Instant>,
-    /// No active taxel has last changed before this.
+    /// Time before which no active taxel has last changed.
     moved_at: Instant,
-    /// Whether it is known where its skin rests, and the end of the range that this is, if it is one: only skins of one axis
-    /// rest at any.
+    /// True once the monitor knows whether the skin rests at an end of its range. `rests_at` is that end, if it rests
+    /// at one: only skins of one axis do.
     learned: bool,
     rests_at: Option<u16>,
 }
 
-/// A list per quantity, so that many taxels are looked at in one go.
+/// Taxels with a list per quantity, so that one operation looks at many of them.
 #[derive(Clone, Debug)]
 pub(super) struct Taxels {
     settings: HealthSettings,
@@ -45,7 +45,7 @@ pub(super) struct Taxels {
     module: Vec<u16>,
     pub(super) active: Vec<bool>,
     single_axis: Vec<bool>,
-    /// Readings from here on, [`SPAN`] of them, need no closer look.
+    /// First of [`SPAN`] readings that need no closer look.
     low: Vec<[u16; 3]>,
     /// The newest readings; 0 before the first.
     counts: Vec<[u16; 3]>,
@@ -54,26 +54,27 @@ pub(super) struct Taxels {
     last_at: Vec<Instant>,
     changed: Vec<u32>,
     changed_at: Vec<Instant>,
-    /// On top of that: changes in the scans of [`Together::brief`], and the number of the last of those, from 1; 0 for
-    /// none.
+    /// Changes in the scans of [`Together::brief`], on top of `changed`. `changed_in` has the number of the last such
+    /// scan, from 1; 0 for none.
     lately: Vec<u8>,
     changed_in: Vec<u8>,
-    /// 16 a jump, one less a quiet reading.
+    /// Tally of jumps: 16 more for a jump, one less for a quiet reading.
     jumps: Vec<u16>,
-    /// Whether the newest reading was a jump.
+    /// True if the newest reading was a jump.
     jumped: Vec<bool>,
-    /// Of the scan that is looked at: bits that differ from before, then 1 where any of an active taxel's do.
+    /// Bits by which the scan under inspection differs from the one before, and in `news` a 1 where any of an active
+    /// taxel's differ.
     bits: Vec<[u16; 3]>,
     news: Vec<u8>,
     vectors: Vectors,
 }
 
-/// What a scan says of a module.
+/// Result of looking at a module's scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Seen {
-    /// Whether any taxel changed.
+    /// True if any taxel changed.
     pub(super) any: bool,
-    /// Whether every active taxel is in it, is well, and has not jumped; false says nothing.
+    /// True if every active taxel is in the scan, is well and has not jumped; false says nothing.
     pub(super) well: bool,
 }
 
@@ -129,7 +130,7 @@ impl Taxels {
         }
     }
 
-    /// Whether an axis of the newest reading is at an end of its range where the skin does not rest.
+    /// Returns true if an axis of the newest reading is at an end of its range where the skin does not rest.
     pub(super) fn is_at_an_end(&self, index: usize) -> bool {
         let used = if self.single_axis[index] { 2.. } else { 0.. };
         let rests_at = self.modules[usize::from(self.module[index])].rests_at;
@@ -145,7 +146,7 @@ impl Taxels {
         self.jumps[index] >= JUMPING
     }
 
-    /// Readings so far, and when the newest came.
+    /// Readings so far, and the time of the newest.
     pub(super) fn received(&self, index: usize) -> Option<(u32, Instant)> {
         let own = *self.received.get(index).filter(|n| **n > 0)?;
         let together = &self.modules[usize::from(self.module[index])];
@@ -153,7 +154,7 @@ impl Taxels {
         Some((received, self.last_at[index].max(together.at)))
     }
 
-    /// When the reading last became another.
+    /// Time at which the reading last became another.
     pub(super) fn changed_at(&self, index: usize) -> Instant {
         let brief = &self.modules[usize::from(self.module[index])].brief;
         let lately = usize::from(self.changed_in[index]).checked_sub(1);
@@ -161,7 +162,7 @@ impl Taxels {
         lately.copied().unwrap_or(self.changed_at[index])
     }
 
-    /// Changes so far, and when the first reading came.
+    /// Changes so far, and the time of the first reading.
     pub(super) fn changes(&self, index: usize) -> (u32, Instant) {
         let lately = u32::from(self.lately[index]);
         let changed = self.changed[index].saturating_add(lately);
@@ -185,12 +186,12 @@ impl Taxels {
         seen
     }
 
-    /// When the newest scan of a module came, if every active taxel was in it and well.
+    /// Time of a module's newest scan, if every active taxel was in it and well.
     pub(super) fn well_at(&self, module: usize) -> Option<Instant> {
         self.modules.get(module)?.well_at
     }
 
-    /// How many modules there are.
+    /// Number of modules.
     pub(super) fn modules(&self) -> usize {
         self.modules.len()
     }
@@ -224,8 +225,8 @@ impl Taxels {
         self.low[range].iter_mut().for_each(|axes| axes[2] = low);
     }
 
-    /// Takes the counts, and notes which bits are other than before. Where it returns true, no value jumps and none is at
-    /// an end of its range: one look at all of it, without a branch.
+    /// Takes the counts, and notes the bits that differ from before. Returns true if no value jumps and none is at an
+    /// end of its range: one look at all of it, without a branch.
     fn compare(&mut self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
         let counts = self.counts[range.clone()].as_flattened_mut();
@@ -246,7 +247,7 @@ impl Taxels {
         )
     }
 
-    /// Whether every active taxel is in the scan.
+    /// Returns true if every active taxel is in the scan.
     fn is_whole(&self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
         let listening = self.active[range.clone()].iter().zip(&scan.fresh()[range]);
@@ -254,7 +255,7 @@ impl Taxels {
             || listening.fold(true, |all, (active, fresh)| all & (!active | fresh))
     }
 
-    /// As [`Self::observe_each`] of a calm module that is steady and whole: without a branch.
+    /// Observes a calm module that is steady and whole like [`Self::observe_each`], but without a branch.
     fn observe_together(&mut self, scan: &Scan, module: usize) -> Seen {
         let at = scan.at();
         if self.modules[module].brief.len() == BRIEF {
@@ -275,7 +276,7 @@ impl Taxels {
                 count(news, lately, changed_in, number)
             },
         );
-        // Taxels only ever change later: what none was before, none is.
+        // Taxels only ever change later: a time that was after all of them still is.
         if at.since(together.moved_at) > self.settings.frozen_after {
             self.find_moved(module);
         }
@@ -286,7 +287,7 @@ impl Taxels {
         }
     }
 
-    /// Adds what was kept briefly to the rest.
+    /// Adds the changes that were kept briefly to the others.
     fn add_up(&mut self, module: usize) {
         let together = &self.modules[module];
         if together.brief.is_empty() {
@@ -302,7 +303,7 @@ impl Taxels {
         self.modules[module].brief.clear();
     }
 
-    /// Since when every active taxel has changed.
+    /// Finds the time since which every active taxel has changed.
     fn find_moved(&mut self, module: usize) {
         self.add_up(module);
         let range = self.modules[module].range.clone();
@@ -311,7 +312,7 @@ impl Taxels {
         self.modules[module].moved_at = moved_at.unwrap_or(Instant::ZERO);
     }
 
-    /// Taxel by taxel.
+    /// Observes a module taxel by taxel.
     fn observe_each(&mut self, scan: &Scan, module: usize) -> Seen {
         self.add_up(module);
         let at = scan.at();
@@ -368,7 +369,8 @@ impl Taxels {
     }
 }
 
-/// 1 for active taxels any of whose bits differ. A function of slices, so that compilers know that none overlap.
+/// Marks active taxels any of whose bits differ with 1. It is a function of slices, so that compilers know that none
+/// overlap.
 #[inline(always)]
 fn find(bits: &[[u16; 3]], active: &[bool], news: &mut [u8]) {
     for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
@@ -376,7 +378,7 @@ fn find(bits: &[[u16; 3]], active: &[bool], news: &mut [u8]) {
     }
 }
 
-/// Counts what is new in scan `number`; whether anything is.
+/// Counts the news in scan `number`; returns true if there is any.
 #[inline(always)]
 fn count(news: &[u8], lately: &mut [u8], changed_in: &mut [u8], number: u8) -> bool {
     let mut any = 0;

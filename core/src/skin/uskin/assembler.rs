@@ -1,9 +1,8 @@
-//! Scans from readings: which frames off the bus belong together.
+//! Assembly of scans from readings: it finds the frames off the bus that belong together.
 //!
-//! A reading carries no sequence number, so the order on the bus is all there is: chip-major, `k*4 + s`, of uSkin
-//! boards, and by index within triangles.
-//! A scan ends with the last taxel in order, when the order goes back, or after a silence. Readings of two scans
-//! are never put together.
+//! A reading carries no sequence number, so only the order on the bus tells: chip-major, `k*4 + s`, of uSkin boards,
+//! and by index within triangles. A scan ends with the last taxel in order, when the order goes back, or after a
+//! silence. Readings of two scans are never put together.
 
 use alloc::vec::Vec;
 
@@ -22,14 +21,14 @@ pub(super) struct TaxelReading {
     pub(super) order: u16,
     /// Raw counts x, y, z; a one-axis skin uses z.
     pub(super) counts: [u16; 3],
-    /// When it was received.
+    /// Time at which it was received.
     pub(super) at: Instant,
 }
 
 /// The state of one module's unfinished scan.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
-    /// Running index of its first taxel, and how many it has.
+    /// Running index of the module's first taxel, and its number of taxels.
     from: u32,
     taxels: u32,
     /// Order of its newest reading, `None` when there is no unfinished scan.
@@ -40,7 +39,7 @@ struct Pending {
     readings: u32,
     /// Readings of a complete scan.
     expected: u32,
-    /// Readings missing from its scans so far.
+    /// Readings missing from the module's scans so far.
     lost: u64,
 }
 
@@ -66,7 +65,7 @@ impl Pending {
 pub(super) struct ScanAssembler {
     gap: Duration,
     pending: Vec<Pending>,
-    /// What the unfinished scans have so far, and of which taxels.
+    /// Counts that the unfinished scans have so far, and their taxels.
     counts: Vec<[u16; 3]>,
     staged: Vec<bool>,
     lost: u64,
@@ -86,13 +85,13 @@ impl ScanAssembler {
         }
     }
 
-    /// Another silence that ends a scan.
+    /// Sets another silence that ends a scan.
     pub(super) const fn set_gap(&mut self, gap: Duration) {
         self.gap = gap;
     }
 
     /// Takes a reading. `done` gets the scan that has just ended; at most two end at one reading (one by a gap, one
-    /// by its last taxel). `None` for a taxel that the layout does not have; nothing has changed then.
+    /// by its last taxel). Returns `None` for a taxel that the layout lacks; nothing has changed then.
     #[inline]
     pub(super) fn push(
         &mut self,
@@ -134,8 +133,8 @@ impl ScanAssembler {
         }
     }
 
-    /// Hands on what a module has sent, and forgets it. Apart from [`ScanAssembler::push`], most calls of which do
-    /// not come here.
+    /// Hands on the readings that a module has sent, and forgets them. It is apart from [`ScanAssembler::push`],
+    /// because most calls of that do not come here.
     #[inline(never)]
     fn end(&mut self, module: usize, done: &mut impl FnMut(&ModuleScan<'_>)) {
         let p = &mut self.pending[module];
@@ -154,12 +153,12 @@ impl ScanAssembler {
         p.readings = 0;
     }
 
-    /// Readings missing from one module's scans; scans of which nothing came are not known of.
+    /// Readings missing from one module's scans; a scan of which nothing came stays unknown.
     pub(super) fn lost_of(&self, module: usize) -> u64 {
         self.pending.get(module).map_or(0, |p| p.lost)
     }
 
-    /// Readings missing from those scans.
+    /// Readings missing from all scans.
     pub(super) const fn lost(&self) -> u64 {
         self.lost
     }

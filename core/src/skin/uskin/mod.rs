@@ -1,8 +1,8 @@
 //! Modules behind boards on CAN as a [`SkinSource`]: frames in, scans out; boards are started and stopped here.
 //!
-//! Most are uSkin modules. A layout may say that its boards are the iCub's MTB boards ([`Protocol::Mtb`]).
+//! Most are uSkin modules. A layout may state that its boards are the iCub's MTB boards ([`Protocol::Mtb`]).
 //!
-//! Who sends what is worked out beforehand, so that a frame off the bus costs one look.
+//! Routes are precomputed: a frame off the bus costs one look-up.
 
 mod assembler;
 mod routes;
@@ -31,7 +31,7 @@ pub struct CanSkin<B> {
     addresses: Box<[Option<Address>]>,
 }
 
-/// What becomes of frames.
+/// Destination of each frame: a route, an assembler, or the count of foreign ones.
 #[derive(Debug)]
 struct Sorting {
     routes: Routes,
@@ -54,7 +54,7 @@ impl<B: CanBus> CanSkin<B> {
         }
     }
 
-    /// With another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
+    /// Sets another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
     #[must_use]
     pub const fn with_gap(mut self, gap: Duration) -> Self {
         self.sorting.assembler.set_gap(gap);
@@ -66,7 +66,7 @@ impl<B: CanBus> CanSkin<B> {
         &self.bus
     }
 
-    /// The bus, to look at what else is on it.
+    /// The bus, mutable, to look at its other frames.
     pub const fn bus_mut(&mut self) -> &mut B {
         &mut self.bus
     }
@@ -74,7 +74,7 @@ impl<B: CanBus> CanSkin<B> {
     /// Tells a module's board to send. A module without a board, or that does not exist, is told nothing.
     ///
     /// # Errors
-    /// The bus's own: a full queue, a controller that is bus-off.
+    /// The bus's own error: a full queue, a controller that is bus-off.
     pub fn start(&mut self, module: usize) -> Result<(), B::Error> {
         let Some(Address { bus, board }) = self.addresses.get(module).copied().flatten() else {
             return Ok(());
@@ -89,7 +89,7 @@ impl<B: CanBus> CanSkin<B> {
     /// Tells every board to send, also those behind one that could not be reached.
     ///
     /// # Errors
-    /// The bus's first.
+    /// The bus's first error.
     pub fn start_all(&mut self) -> Result<(), B::Error> {
         let mut told = Ok(());
         for module in 0..self.addresses.len() {
@@ -99,12 +99,12 @@ impl<B: CanBus> CanSkin<B> {
         told
     }
 
-    /// Frames that were no readings of this layout.
+    /// Number of frames that were no readings of this layout.
     pub const fn foreign(&self) -> u64 {
         self.sorting.foreign
     }
 
-    /// Readings missing from the scans so far; scans of which nothing came are not known of.
+    /// Readings missing from the scans so far; a scan of which nothing came stays unknown.
     pub const fn lost(&self) -> u64 {
         self.sorting.assembler.lost()
     }
@@ -116,7 +116,7 @@ impl<B: CanBus> CanSkin<B> {
 }
 
 impl Sorting {
-    /// Takes one frame off the bus; `None` for what is no reading of this layout.
+    /// Takes one frame off the bus; `None` for a frame that is no reading of this layout.
     #[inline]
     fn take(&mut self, received: &Received, done: &mut dyn FnMut(&ModuleScan<'_>)) -> Option<()> {
         let (bus, id) = (received.bus, received.frame.id());

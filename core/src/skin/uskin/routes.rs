@@ -1,4 +1,4 @@
-//! Who sends under which identifier: a table made once, so that a frame off the bus costs one look.
+//! Routes of all identifiers: precomputed once, so that a frame off the bus costs one look-up.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -7,7 +7,7 @@ use crate::codec::mtb;
 use crate::codec::uskin::sender;
 use crate::skin::layout::{Address, Layout, Module, Protocol};
 
-/// What an identifier is about.
+/// Meaning of an identifier.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Route {
     /// One taxel of a uSkin module.
@@ -23,14 +23,14 @@ pub(super) enum Route {
     Triangle {
         /// Module, zero-based.
         module: u16,
-        /// Its first taxel within the module.
+        /// First taxel of the triangle within the module.
         first: u16,
-        /// Which of its taxels are read, a bit each: of its twelve places two may be thermal pads.
+        /// Taxels that are read, a bit each: two of the triangle's twelve places may be thermal pads.
         read: u16,
     },
 }
 
-/// What every identifier means on every bus, worked out beforehand.
+/// Precomputed meaning of every identifier on every bus.
 #[derive(Debug)]
 pub(super) struct Routes(Vec<Box<[Option<Route>]>>);
 
@@ -38,8 +38,8 @@ pub(super) struct Routes(Vec<Box<[Option<Route>]>>);
 const IDENTIFIERS: u16 = 1 << 11;
 
 impl Routes {
-    /// For the modules of a layout that have a board which can carry them. Of several under one board's number the
-    /// first counts.
+    /// Routes to the modules of a layout whose boards can carry them. The first of several modules under one board's
+    /// number counts.
     pub(super) fn new(layout: &Layout) -> Self {
         let senders: Vec<_> = (0..)
             .zip(layout.modules())
@@ -64,7 +64,7 @@ impl Routes {
     }
 }
 
-/// The board that sends under `id` where boards speak so.
+/// The number of the board that sends under `id` by this protocol.
 fn number(protocol: Protocol, id: u16) -> Option<u8> {
     match protocol {
         Protocol::Uskin => Some(sender(id).0),
@@ -72,7 +72,7 @@ fn number(protocol: Protocol, id: u16) -> Option<u8> {
     }
 }
 
-/// What `id` is about, of what a module's board sends.
+/// Finds the meaning of `id` among the frames that a module's board sends.
 fn route(id: u16, module: u16, of: &Module) -> Option<Route> {
     match of.protocol() {
         Protocol::Uskin => {

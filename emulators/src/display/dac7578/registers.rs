@@ -9,7 +9,7 @@ use crate::time::Nanos;
 /// State of the current message for this chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Message {
-    /// Not for this chip.
+    /// A message for another chip.
     #[default]
     Idle,
     /// Addressed for writing; the command and access byte comes first.

@@ -12,7 +12,7 @@ pub(super) const RESET: [u8; 4] = [0, 0, 0, FULL];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pulse {
     FullOff,
-    /// On for good, starting at count `on`.
+    /// A channel that is on for good, starting at count `on`.
     FullOn {
         on: u16,
     },
@@ -48,7 +48,7 @@ pub(super) struct Channel {
     force: Pulse,
     /// An update waits for the end of the low part of the cycle.
     pending: bool,
-    /// In the blank period that an update of a wrapping pulse costs.
+    /// True in the blank period that an update of a wrapping pulse costs.
     blank: bool,
     /// Full on has reached its ON count.
     started: bool,
@@ -157,7 +157,7 @@ impl Channel {
         }
     }
 
-    /// Nothing but full off, in force and to come: the counter may be held (data sheet 7.3.3, remark).
+    /// Returns true if full off alone is in force and to come: the counter may be held (data sheet 7.3.3, remark).
     pub(super) fn is_off(&self) -> bool {
         self.force == Pulse::FullOff && !self.pending && !self.blank
     }

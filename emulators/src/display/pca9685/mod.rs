@@ -29,11 +29,11 @@ pub use pins::{Edge, Hazard, Pin, pin};
 /// Time at which a register update reaches a running output. Silicon decides; a bench procedure tells for a lot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpdateModel {
-    /// At the end of the low part of the cycle [7.3.3]: the counter's wrap. With ON > OFF in force the output
-    /// is high there, and each update costs one whole blank period, as logic-analyser traces show.
+    /// An update at the end of the low part of the cycle [7.3.3]: the counter's wrap. With ON > OFF in force the
+    /// output is high there, and each update costs one whole blank period, as logic-analyser traces show.
     #[default]
     EndOfLow,
-    /// At once, in mid-period, as one scope shot shows.
+    /// An update at once, in mid-period, as one scope shot shows.
     Immediate,
 }
 

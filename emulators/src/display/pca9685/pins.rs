@@ -13,7 +13,7 @@ pub enum Pin {
     Low,
     /// Driven high (totem pole only).
     High,
-    /// Not driven: the level is that of the pull resistor on the board.
+    /// An undriven pin: the level is that of the pull resistor on the board.
     HighZ,
 }
 

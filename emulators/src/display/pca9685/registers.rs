@@ -11,7 +11,7 @@ use crate::time::Nanos;
 /// State of the current message for this chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Message {
-    /// Not for this chip, or refused.
+    /// A message for another chip, or a refused one.
     #[default]
     Idle,
     /// Addressed for writing; the control register comes first.

@@ -49,7 +49,7 @@ impl Bridge {
         }
     }
 
-    /// It lets go then.
+    /// Makes the bridge let go at that time of its own clock, ms.
     pub(super) const fn until_ms(&mut self, ms: u64) {
         self.until = Instant::from_micros(1000 * ms);
     }

@@ -1,6 +1,6 @@
-//! Straight lines of the law of phases: ranges of temperature, and the way that it goes.
+//! Straight lines of the law of phases: ranges of temperature, and the direction in which it goes.
 
-/// Which way the wire's temperature is going.
+/// Direction in which the wire's temperature goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heading {
     /// Heating.
@@ -18,10 +18,10 @@ pub struct Branch {
     pub latent: f64,
     /// Change of the total strain, 1/K.
     pub strain: f64,
-    /// Holds down to here, degrees C.
+    /// Lower end of the range, degrees C.
     pub low: f64,
-    /// Holds up to here, degrees C.
+    /// Upper end of the range, degrees C.
     pub high: f64,
-    /// Whether it ends when the temperature turns.
+    /// True if the branch ends when the temperature turns.
     pub one_way: bool,
 }

@@ -5,15 +5,15 @@
 
 use crate::display::finger::NODES;
 
-/// ln 2 in two parts: the first has zeros where products with small integers need room.
+/// Two parts of ln 2: the first has zeros where products with small integers need room.
 const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-/// Adding it rounds to an integer, which then stands in the lowest bits.
+/// Number whose addition rounds to an integer, which then stands in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
-/// Exponents beyond this are as good as this: far under any temperature, and over what a run reaches.
+/// Exponent that stands for all further ones: far under any temperature, and over what a run reaches.
 const FURTHEST: f64 = 700.0;
 
-/// 1/2! to 1/13!, for the series of exp(r) - 1 with |r| <= ln(2) / 2: the rest is under 2e-17 of it.
+/// Coefficients 1/2! to 1/13! of the series of exp(r) - 1 with |r| <= ln(2) / 2: the rest is under 2e-17 of it.
 const SERIES: [f64; 12] = {
     let mut out = [0.0; 12];
     let (mut k, mut value) = (0, 1.0);

@@ -1,13 +1,14 @@
 //! Eigenvalues and eigenvectors of a symmetric tridiagonal matrix.
 //!
-//! A wire on its tissue is a chain, and the matrix of a chain is tridiagonal as it stands: a general decomposition would
-//! spend most of its time on making it so. Implicit QL with Wilkinson's shifts (Golub and Van Loan, Matrix
-//! Computations, 8.3; EISPACK's imtql2): the same products and sums in a fixed order on every machine.
+//! A wire on its tissue is a chain, and the matrix of a chain is tridiagonal from the start: a general decomposition
+//! would spend most of its time on making it so. Implicit QL with Wilkinson's shifts (Golub and Van Loan, Matrix
+//! Computations, 8.3; EISPACK's imtql2) needs the same products and sums in a fixed order on every machine.
 
 use crate::display::finger::NODES;
 use palpate_core::vector::Vectors;
 
-/// Steps towards one eigenvalue after which it is taken as it is. Two or three do; what is no number never ends.
+/// Steps towards one eigenvalue after which it is taken as it is. Two or three suffice; a matrix with a NaN would
+/// never end.
 const STEPS: usize = 60;
 
 /// Eigenvalues in no order, and the eigenvector of each, of length 1: `vectors[k][node]`.
@@ -18,7 +19,7 @@ pub struct Eigen {
 }
 
 impl Eigen {
-    /// Of the matrix with this diagonal, and with `beside[i]` between i and i + 1; the last of these is not looked at.
+    /// Solves the matrix with this diagonal and with `beside[i]` between i and i + 1; the last of these is ignored.
     pub fn new(diagonal: [f64; NODES], beside: [f64; NODES]) -> Self {
         Vectors::widest().run(
             #[inline(always)]

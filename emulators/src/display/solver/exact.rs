@@ -1,4 +1,4 @@
-//! Edge to edge without truncation error: modes, events, memory of hysteresis.
+//! Exact solution from edge to edge, without truncation error: modes, events, memory of hysteresis.
 
 mod step;
 
@@ -24,21 +24,21 @@ use palpate_core::physics::{Curve, Law};
 use palpate_core::vector::{Scalar, Vectors};
 use step::{Glance, Run};
 
-/// The exact solver. A clone has a state of its own, and shares what follows from the wire alone.
+/// The exact solver. A clone has a state of its own, and shares everything that follows from the wire alone.
 #[derive(Clone, Debug)]
 pub struct Exact {
     wire: Arc<WireParameters>,
     network: Arc<ThermalNetwork>,
     phase: Phase,
     heading: Heading,
-    /// Those of all clones, and those that this one has been in.
+    /// Regimes of all clones; `modes` are those that this clone has been in.
     regimes: Regimes,
     modes: Vec<Arc<Mode>>,
     mode: usize,
     oldest: usize,
     propagators: Propagators,
     z: [f64; NODES],
-    /// What `z` is at the places that are looked at.
+    /// Temperatures that `z` gives at the places that are looked at.
     watched: Watched,
     vectors: Vectors,
     now: Nanos,
@@ -51,11 +51,11 @@ pub struct Exact {
     energy: Energy,
     /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
-    /// Where the wire is worn: then parting from the skin is an event.
+    /// The seat of a worn wire: with one, parting from the skin is an event.
     worn: Option<Worn>,
-    /// The skin in the last stretch.
+    /// Motion of the skin in the last stretch.
     motion: Motion,
-    /// What a person's model reads, where one does, the oldest first.
+    /// Stretches that a person's model reads, the oldest first; `None` without such a model.
     pub stretches: Option<Vec<Stretch>>,
 }
 
@@ -128,7 +128,7 @@ impl Exact {
         Ok(solver)
     }
 
-    /// Puts the wire on the skin as it is now; from here on both part and meet as [`Bow`] says.
+    /// Puts the wire on the skin as it is now; from here on both part and meet by [`Bow`].
     ///
     /// # Errors
     /// A parameter that cannot be computed with.
@@ -159,7 +159,7 @@ impl Exact {
         )
     }
 
-    /// A copy for a look ahead at temperatures, light: without books, and without what only saves work.
+    /// A light copy for a look ahead at temperatures: without books, and without caches that only save work.
     #[must_use]
     pub fn ahead(&self) -> Self {
         let (shallow_c, deep_c) = self.tissue_c();
@@ -180,7 +180,7 @@ impl Exact {
         }
     }
 
-    /// The same with books.
+    /// Clones the solver with its books.
     #[must_use]
     pub(crate) fn ahead_with_books(&self) -> Self {
         Self {
@@ -212,7 +212,7 @@ impl Exact {
         self.phase.u_m(self.wire_c())
     }
 
-    /// The same, stepped with these vectors.
+    /// Clones the solver to step with these vectors.
     #[cfg(test)]
     pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
         Self {
@@ -226,7 +226,7 @@ impl Exact {
         self.now
     }
 
-    /// What the wire is driven with.
+    /// The drive of the wire.
     pub const fn driven(&self) -> WireDrive {
         self.drive
     }
@@ -236,7 +236,7 @@ impl Exact {
         &self.wire
     }
 
-    /// The network under it.
+    /// The thermal network under the wire.
     pub fn network(&self) -> &ThermalNetwork {
         &self.network
     }
@@ -246,7 +246,7 @@ impl Exact {
         self.network.body_c + self.watched.wire
     }
 
-    /// Looks at the coordinates anew, after a change of them or of what they mean.
+    /// Looks at the coordinates anew, after a change of them or of their meaning.
     fn watch(&mut self) {
         let mode = &self.modes[self.mode];
         self.watched = Watched {
@@ -286,7 +286,7 @@ impl Exact {
         }
     }
 
-    /// The same but for what would have to be searched: no higher than they are.
+    /// The peaks as far as they are known without a search: no higher than the true ones.
     pub(crate) const fn peaks_floor(&self) -> Peaks {
         Peaks {
             wire_c: self.hottest.0,
@@ -295,7 +295,7 @@ impl Exact {
         }
     }
 
-    /// The window's maxima but for what would have to be searched: no higher than they are.
+    /// The known part of the window's maxima, without a search: no higher than the true ones.
     pub(crate) const fn window_floor(&self) -> Peaks {
         Peaks {
             wire_c: self.hottest.1,
@@ -324,7 +324,7 @@ impl Exact {
         (self.energy.electrical_j, self.energy.wire_j)
     }
 
-    /// Where the heat went.
+    /// Destinations of the heat since the start.
     pub fn energy(&self) -> Energy {
         let nodes = self.nodes();
         let mut stored = 0.0;
@@ -344,7 +344,7 @@ impl Exact {
         self.resistance(self.wire_c(), &branch).0 + self.wire.resistance_ohm * series
     }
 
-    /// That of the wire alone now, Ohm, and its change with temperature within `branch`.
+    /// Resistance of the wire alone now, Ohm, and its change with temperature within `branch`.
     fn resistance(&self, t: f64, branch: &Branch) -> (f64, f64) {
         let w = &*self.wire;
         let nominal = w.resistance_ohm * w.wire_share;
@@ -394,7 +394,7 @@ impl Exact {
         heat.power + heat.feedback * u + n.rest_inflow() - out
     }
 
-    /// Turns to where the wire's temperature is going after an edge.
+    /// Turns to the direction in which the wire's temperature goes after an edge.
     fn face(&mut self) {
         let heading = if self.inflow() < 0.0 {
             Heading::Down
@@ -430,7 +430,7 @@ impl Exact {
             self.propagators.forget(place);
             place
         });
-        // What is watched stays what it is.
+        // The watched temperatures stay the same in the new regime.
         self.z = self.modes[self.mode].project(&nodes);
     }
 }

@@ -1,18 +1,17 @@
 //! The maximum of a sum of exponentials over a span: branch and bound.
 //!
-//! A piece of the span is left as soon as its ceiling is no higher than what is known already; the rest is
-//! halved, in the logarithm of time, until it bends one way only and Newton finds its turn. The heat of a pulse
-//! arrives after the pulse, so that a tissue may cool at both ends of a span with a peak between: ends alone tell
-//! nothing.
+//! A piece of the span is left as soon as its ceiling is no higher than the known maximum. The rest is halved, in the
+//! logarithm of time, until it bends one way only and Newton finds its turn. The heat of a pulse arrives after the
+//! pulse, so a tissue may cool at both ends of a span and have a peak between: the ends alone tell nothing.
 
 use super::lanes::{dot, lanes};
 use super::sum::{Sum, SumPoint, signs};
 use crate::display::finger::NODES;
 use palpate_core::vector::{Scalar, Simd};
 
-/// A ceiling this little higher counts as no higher, K: far under the promised 1e-9.
+/// Excess of a ceiling that counts as none, K: far under the promised 1e-9.
 pub const ENOUGH_K: f64 = 1e-11;
-/// Halvings of a span after which what is left is shorter than any clock tells.
+/// Halvings of a span after which the rest is shorter than any clock tells.
 const DEEPEST: u32 = 60;
 
 /// The maximum of `sum` between two instants of it, or `known` if that is higher.
@@ -20,7 +19,8 @@ pub fn highest(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64) -> f64
     within(sum, from, to, known.max(from.value).max(to.value), DEEPEST)
 }
 
-/// What a sum with these decay rates cannot pass between two instants of it; looks no closer than is `enough`.
+/// Bound that a sum with these decay rates cannot pass between two instants of it; refines no further than to
+/// `enough`.
 #[inline(always)]
 pub fn ceiling_between<S: Simd>(
     simd: S,
@@ -41,7 +41,7 @@ pub fn ceiling_between<S: Simd>(
     ceiling(ends, by_parts(&from.terms, lambda[0] < 0.0, slopes), span)
 }
 
-/// How many peaks there are between two instants, where the signs of the partial sums tell.
+/// Number of peaks between two instants, where the signs of the partial sums give it.
 #[inline(always)]
 fn peaks(from: &SumPoint, to: &SumPoint) -> Option<usize> {
     let (turns, first) = signs(&from.terms);
@@ -103,7 +103,7 @@ fn within(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64, depth: u32)
     };
     let middle = sum.point(cut);
     let known = max(known, middle.value);
-    // The half with the peak first: the other may then be settled by it.
+    // The half with the peak comes first, because its maximum may settle the other.
     if middle.slope > 0.0 {
         let known = within(sum, &middle, to, known, depth - 1);
         within(sum, from, &middle, known, depth - 1)
@@ -113,8 +113,8 @@ fn within(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64, depth: u32)
     }
 }
 
-/// The least and the most that terms can have added up to between two instants, from their sums then and there:
-/// every term goes one way, so that the sum lies between those of the smaller and of the larger ones.
+/// The least and the most that terms can have added up to between two instants, from their sums at both. Every term
+/// goes one way, so the sum lies between those of the smaller and of the larger ones.
 #[inline(always)]
 fn spread<S: Simd>(
     simd: S,
@@ -149,18 +149,18 @@ fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64
     (max(least, lowest), min(most, highest))
 }
 
-/// What cannot be passed on the way from one value to another with slopes between these.
+/// Bound that a value cannot pass on its way from one to another with slopes between these.
 #[inline(always)]
 fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 {
     if most <= 0.0 || least >= 0.0 {
         return max(from, to);
     }
-    // As fast as it can up, then as fast as it can down to where it ends.
+    // The bound rises at the steepest slope, then falls at the steepest to the other end.
     let up = ((to - from) - least * span) / (most - least);
     from + most * up.clamp(0.0, span)
 }
 
-/// One instruction, where `f64::max` takes care of NaN.
+/// Larger of two numbers in one instruction, where `f64::max` takes care of NaN.
 #[inline(always)]
 fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

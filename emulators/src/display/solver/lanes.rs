@@ -16,11 +16,11 @@ pub fn dot<S: Simd>(simd: S, a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
     )
 }
 
-/// Vectors of this many numbers are taken by hand.
+/// Length of the vectors that are taken by hand.
 const QUARTER: usize = 4;
 
-/// Sum of what `wide` or `one` makes of every pair, vector by vector: compilers left to themselves take such a sum
-/// apart when much else stands around it.
+/// Sum over every pair of what `wide` or `one` makes of it, vector by vector. Compilers left to themselves take such
+/// a sum apart when much else stands around it.
 #[inline(always)]
 pub fn lanes<S: Simd>(
     simd: S,

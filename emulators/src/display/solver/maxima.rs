@@ -1,16 +1,16 @@
 //! Running maxima of the tissue at one depth, settled when a caller asks.
 //!
-//! The heat of a pulse arrives after the pulse, so that a stretch between two edges may be warmest inside. In a burst
-//! the ends of later stretches soon pass all of that, and between bursts those of later bursts. So a stretch only
-//! waits, with a ceiling, and is forgotten once an end passes that. It is searched when maxima are asked for, or when
-//! too many wait.
+//! The heat of a pulse arrives after the pulse, so a stretch between two edges may be warmest inside. In a burst the
+//! ends of later stretches soon pass all of that, and between bursts those of later bursts do. A stretch therefore
+//! only waits, with a ceiling, and is forgotten once an end passes that ceiling. It is searched when a caller asks
+//! for maxima, or when too many wait.
 
 use super::highest::{ENOUGH_K, ceiling_between, highest};
 use super::sum::{Sum, SumPoint};
 use crate::display::finger::NODES;
 use palpate_core::vector::{Simd, Vectors};
 
-/// Stretches that may wait.
+/// Largest number of stretches that wait.
 const MOST: usize = 24;
 
 /// The maximum since the start and the one since a window was opened, degrees C.
@@ -18,7 +18,7 @@ const MOST: usize = 24;
 pub struct Maxima {
     whole: f64,
     window: f64,
-    /// The oldest first.
+    /// Stretches that wait, the oldest first.
     waiting: Vec<Stretch>,
     /// The lowest of the ceilings.
     lowest: f64,
@@ -28,14 +28,14 @@ pub struct Maxima {
 /// A stretch that may be warmer inside than anything known.
 #[derive(Clone, Debug)]
 struct Stretch {
-    /// What it cannot have passed, degrees C.
+    /// Bound that the stretch cannot have passed, degrees C.
     ceiling: f64,
     lambda: [f64; NODES],
     ends: [SumPoint; 2],
 }
 
 impl Maxima {
-    /// From a temperature on, degrees C.
+    /// Maxima that start at a temperature, degrees C.
     pub fn new(now: f64) -> Self {
         Self {
             whole: now,
@@ -73,20 +73,20 @@ impl Maxima {
         });
     }
 
-    /// The maximum since the window was opened, but for what waits.
+    /// The known part of the maximum since the window was opened, degrees C.
     pub const fn known(&self) -> f64 {
         self.window
     }
 
-    /// The same of the maximum since the start.
+    /// The known part of the maximum since the start, degrees C.
     pub const fn known_whole(&self) -> f64 {
         self.whole
     }
 
-    /// Searches what waits, and returns both maxima: since the start, and since the window was opened. What cannot pass
-    /// `floor` is forgotten without a search, and where both are lower than that they say no more.
+    /// Searches the stretches that wait, and returns both maxima: since the start, and since the window was opened. A
+    /// stretch that cannot pass `floor` is forgotten without a search. Maxima under `floor` are lower bounds only.
     pub fn settle(&mut self, floor: f64) -> (f64, f64) {
-        // The last ones are the likeliest to settle the others.
+        // The last stretches are the likeliest to settle the others.
         while let Some(stretch) = self.waiting.pop() {
             let known = self.window.max(floor);
             if stretch.ceiling > known + ENOUGH_K {
@@ -100,7 +100,7 @@ impl Maxima {
         (self.whole, self.window)
     }
 
-    /// Opens a new window at a temperature, degrees C. Nothing may wait.
+    /// Opens a new window at a temperature, degrees C. No stretch may wait.
     pub const fn open(&mut self, now: f64) {
         self.window = now;
     }
@@ -113,7 +113,7 @@ impl Maxima {
 }
 
 impl Stretch {
-    /// Its maximum, or `known` if that is higher.
+    /// The stretch's maximum, or `known` if that is higher.
     fn highest(&self, known: f64, vectors: Vectors) -> f64 {
         let [from, to] = &self.ends;
         let sum = Sum::new(&self.lambda, from.terms, from.value, vectors);

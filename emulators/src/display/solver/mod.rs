@@ -1,4 +1,4 @@
-//! How temperatures are computed between the edges of the current.
+//! Solvers for the temperatures between the edges of the current.
 //!
 //! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
 
@@ -18,10 +18,10 @@ pub(crate) mod strain;
 pub mod stretch;
 mod sum;
 
-/// What is done to a wire from some instant on.
+/// Drive of a wire from some instant on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum WireDrive {
-    /// Nothing flows.
+    /// A wire without current.
     #[default]
     Off,
     /// Constant current, A.

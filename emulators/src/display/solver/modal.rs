@@ -14,19 +14,19 @@ use super::sum::Sum;
 use crate::display::finger::{NODES, ThermalNetwork};
 use palpate_core::vector::{Scalar, Vectors};
 
-/// What makes a mode differ from another: all else in a network is constant.
+/// The variable part of a mode: all else in a network is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeKey {
     /// Latent heat that a kelvin takes up or releases, J/K; 0 with every phase at rest.
     pub latent: f64,
-    /// How much electrical heat rises with the wire's temperature (I^2 dR/dT), W/K.
+    /// Rise of the electrical heat with the wire's temperature (I^2 dR/dT), W/K.
     pub feedback: f64,
 }
 
 /// One linear regime of wire and tissue.
 #[derive(Clone, Debug)]
 pub struct Mode {
-    /// What it is the regime of.
+    /// Key of the regime.
     pub key: ModeKey,
     /// Decay rates, rising, 1/s.
     pub lambda: [f64; NODES],
@@ -36,7 +36,7 @@ pub struct Mode {
     pub gain: [f64; NODES],
     /// Node temperatures from coordinates: `shape[node][k]`.
     shape: [[f64; NODES]; NODES],
-    /// The same, `columns[k][node]`.
+    /// The shape transposed: `columns[k][node]`.
     columns: [[f64; NODES]; NODES],
     /// Heat capacity of each node, J/K, latent heat included.
     capacity: [f64; NODES],
@@ -149,7 +149,7 @@ impl Mode {
         nodes
     }
 
-    /// Temperature of the first shell above the body's.
+    /// Temperature of the first shell above the body's, K.
     pub(super) fn first_shell(&self, z: &[f64; NODES]) -> f64 {
         dot(Scalar, &self.shape[1], z)
     }
@@ -175,7 +175,7 @@ impl Mode {
     }
 }
 
-/// What a span of time does to the coordinates of a mode.
+/// Effect of a span of time on the coordinates of a mode.
 #[derive(Clone, Debug)]
 pub struct Propagator {
     seconds: f64,
@@ -186,7 +186,7 @@ pub struct Propagator {
 }
 
 impl Propagator {
-    /// Over `t` seconds.
+    /// Propagator over `t` seconds.
     pub fn new(mode: &Mode, t: f64) -> Self {
         mode.vectors.run(
             #[inline(always)]
@@ -217,7 +217,7 @@ impl Propagator {
         out
     }
 
-    /// (t - rise) / lambda, s2: what a step that turns out to be taken also needs.
+    /// Further term (t - rise) / lambda, s2, for a step that turns out to be taken.
     #[inline(always)]
     pub fn ramp(&self, mode: &Mode) -> [f64; NODES] {
         let t = self.seconds;

@@ -4,13 +4,13 @@ use super::modal::{Mode, Propagator};
 use crate::display::finger::NODES;
 use crate::time::Nanos;
 
-/// Kept per wire: a pulse train needs two, its bursts and pauses a few more.
+/// Number kept per wire: a pulse train needs two, its bursts and pauses a few more.
 const MOST: usize = 16;
 
 /// The propagators of one wire that were used last.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Propagators {
-    /// The last used first.
+    /// Propagators with their keys, the last used first.
     kept: Vec<Kept>,
 }
 
@@ -51,12 +51,12 @@ impl Propagators {
         self.kept.insert(0, new);
     }
 
-    /// The one that was prepared last.
+    /// The propagator that was prepared last.
     pub(super) fn first(&self) -> &Whole {
         &self.kept[0].whole
     }
 
-    /// Drops those of the mode at `place`, where another will stand.
+    /// Drops the propagators of the mode at `place`, where another mode will stand.
     pub(super) fn forget(&mut self, place: usize) {
         self.kept.retain(|kept| kept.mode != place);
     }

@@ -6,16 +6,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::modal::{Mode, ModeKey};
 use crate::display::finger::ThermalNetwork;
 
-/// So many are kept; the oldest is dropped. Plays that overlap have some ten, each current of a wire whose resistance
-/// changes with temperature has its own.
+/// Number of regimes kept; the oldest is dropped. Plays that overlap have some ten; each current of a wire whose
+/// resistance changes with temperature has its own.
 pub(super) const REGIMES: usize = 96;
 
-/// What clones of one wire have in common. A regime follows from network and key, so that it does not matter who asks first.
+/// Regimes that clones of one wire share. A regime follows from network and key, so that any clone may ask first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Regimes(Arc<Mutex<VecDeque<Arc<Mode>>>>);
 
 impl Regimes {
-    /// The regime `key` of `network`, which is the same in every call.
+    /// The regime `key` of `network`; every call has to give the same network.
     pub(super) fn of(&self, network: &ThermalNetwork, key: ModeKey) -> Arc<Mode> {
         // A thread that panicked with the lock held left a whole list behind.
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);

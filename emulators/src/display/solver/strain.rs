@@ -1,4 +1,4 @@
-//! Strain of a wire by parts, and what the skin feels of it.
+//! Strain of a wire by parts, and the motion of the skin that it makes.
 
 /// Parts of the strain, 1; positive is longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Strain {
 }
 
 impl Strain {
-    /// Their sum.
+    /// Sum of the parts.
     pub fn total(&self) -> f64 {
         self.elastic + self.phase + self.thermal
     }
@@ -24,7 +24,7 @@ impl Strain {
 pub struct Motion {
     /// Displacement from rest at `from_c`, m.
     pub at_m: f64,
-    /// How it changes with the wire's temperature, m/K; 0 while skin and wire are apart.
+    /// Change of the displacement with the wire's temperature, m/K; 0 while skin and wire are apart.
     pub m_per_k: f64,
     /// Temperature that it is counted from, degrees C.
     pub from_c: f64,
@@ -40,8 +40,8 @@ impl Motion {
 /// A wire on the skin: displacements of its bow from its sag.
 #[derive(Clone, Copy, Debug)]
 pub struct Worn {
-    /// At which skin and wire part, m.
+    /// Displacement at which skin and wire part, m.
     pub parting_m: f64,
-    /// At which both were put together, m.
+    /// Displacement at which both were put together, m.
     pub rest_m: f64,
 }

@@ -1,21 +1,21 @@
-//! What a person's model reads of a wire: stretches in which everything is a sum of exponentials.
+//! Stretches of a wire that a person's model reads: in each, everything is a sum of exponentials.
 
 use super::modal::ModeKey;
 use crate::display::finger::NODES;
 
 /// A stretch of constant drive in one regime, from event to event or shorter.
 ///
-/// The tissue's displacement is affine in the wire's temperature there, and continuous from stretch to stretch, so its
-/// slope says everything: the offset is what it was.
+/// The tissue's displacement is affine in the wire's temperature there, and continuous from stretch to stretch. Its
+/// slope is therefore enough: the offset is that of the stretch before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// How long it is, s.
+    /// Length, s.
     pub seconds: f64,
-    /// Whether current flows.
+    /// True while current flows.
     pub driven: bool,
     /// Displacement of the tissue per kelvin of the wire, um/K; 0 of a wire that is not worn.
     pub um_per_k: f64,
-    /// The regime: it says what the rates are.
+    /// The regime, which gives the rates.
     pub regime: ModeKey,
     /// Decay rates, 1/s.
     pub rates: [f64; NODES],
@@ -24,12 +24,12 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// `seconds` in which nothing moves the tissue.
+    /// A stretch of `seconds` in which nothing moves the tissue.
     pub const fn rest(seconds: f64) -> Self {
         Self::sinking(seconds, 0.0, 0.0)
     }
 
-    /// `seconds` in which tissue that was lifted by `um` sinks back at `rate`, 1/s: a stretch of no wire.
+    /// A stretch of `seconds` without a wire, in which tissue that was lifted by `um` sinks back at `rate`, 1/s.
     pub const fn sinking(seconds: f64, um: f64, rate: f64) -> Self {
         let (mut rates, mut slopes) = ([0.0; NODES], [0.0; NODES]);
         (rates[0], slopes[0]) = (rate, -um * rate);

@@ -1,10 +1,10 @@
-//! Sums of exponentials: where they turn and where they cross a level.
+//! Sums of exponentials: their turns, and the times at which they cross a level.
 //!
-//! Everything the exact solver asks about the time between two edges is a question about
-//! `start + sum d_i (1 - exp(-lambda_i t)) / lambda_i` with rising lambda. Written with its first slopes d_i and not with
-//! the level it settles at, which near electrical runaway is too far away to subtract. Laguerre's rule bounds the zeros of such a sum for
-//! t > 0 by the sign changes of its partial sums, slowest first. Nearly every interval is settled by
-//! that count alone; the rest is bisected until the count or a bound on the derivative settles it.
+//! Everything that the exact solver asks about the time between two edges is a question about `start + sum d_i (1 -
+//! exp(-lambda_i t)) / lambda_i` with rising lambda. The sum is written with its first slopes d_i: the level that it
+//! settles at is too far away to subtract near electrical runaway. Laguerre's rule bounds the zeros of such a sum for
+//! t > 0 by the sign changes of its partial sums, slowest first. That count alone settles nearly every interval; the
+//! others are bisected until the count or a bound on the derivative settles them.
 
 use super::decay::decays;
 use super::lanes::dot;
@@ -14,33 +14,33 @@ use palpate_core::vector::{Scalar, Vectors};
 /// An instant of a sum.
 #[derive(Clone, Copy, Debug)]
 pub struct SumPoint {
-    /// When, s.
+    /// Time, s.
     pub t: f64,
     /// Value, K.
     pub value: f64,
     /// Derivative, K/s.
     pub slope: f64,
-    /// Its terms, slowest first.
+    /// Terms of the sum, slowest first.
     pub terms: [f64; NODES],
 }
 
-/// Levels are crossed when passed by more than this, K: well under the promised 1e-9.
+/// Distance past a level that counts as crossed, K: well under the promised 1e-9.
 pub const LEVEL_TOLERANCE: f64 = 1e-11;
-/// A turn that changes the value by less than this, K, is none.
+/// Change of the value below which a turn is none, K.
 const NEGLIGIBLE_K: f64 = 1e-12;
-/// A step of this part of a time is the last one towards a root.
+/// Share of a time below which a step is the last one towards a root.
 const SMALL_STEP: f64 = 1e-5;
 /// Relative size under which a derivative counts as zero.
 const FLAT: f64 = 1e-13;
 
-/// `start + sum d_i (1 - exp(-lambda_i t)) / lambda_i`.
+/// The sum `start + sum d_i (1 - exp(-lambda_i t)) / lambda_i`.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum<'a> {
     /// Decay rates, rising, 1/s; none is zero.
     pub lambda: &'a [f64; NODES],
     /// Terms of the derivative at the start, K/s.
     pub slopes: [f64; NODES],
-    /// What each term comes to in the end, K.
+    /// Values that the terms approach in the end, K.
     ends: [f64; NODES],
     /// Value at the start, K.
     pub start: f64,
@@ -48,8 +48,8 @@ pub struct Sum<'a> {
 }
 
 impl<'a> Sum<'a> {
-    /// From its parts: decay rates (rising, 1/s; none zero), terms of the slope (K/s) and value (K) at the start; computed
-    /// with `vectors`.
+    /// Sum of its parts: decay rates (rising, 1/s; none zero), terms of the slope (K/s) and value (K) at the start;
+    /// computed with `vectors`.
     pub fn new(
         lambda: &'a [f64; NODES],
         slopes: [f64; NODES],
@@ -96,7 +96,7 @@ impl<'a> Sum<'a> {
         }
     }
 
-    /// Terms of the derivative at `t`, scaled to there.
+    /// Terms of the derivative at `t`, scaled to that time.
     fn slope_terms(&self, t: f64) -> [f64; NODES] {
         if t <= 0.0 {
             return self.slopes;
@@ -139,7 +139,7 @@ impl<'a> Sum<'a> {
             .or_else(|| self.search(middle, to, depth - 1))
     }
 
-    /// The sign of the derivative from an instant on at which its terms are these: at a turn it is that of the bend.
+    /// The sign of the derivative after an instant at which its terms are these: at a turn it is that of the bend.
     fn leaves(&self, terms: &[f64; NODES]) -> f64 {
         let slope = sign(terms);
         if slope != 0.0 {
@@ -152,7 +152,7 @@ impl<'a> Sum<'a> {
         sign(&bends)
     }
 
-    /// Whether the second derivative keeps its sign between the two ends.
+    /// Returns true if the second derivative keeps its sign between the two ends.
     fn derivative_is_monotone(&self, start: &[f64; NODES], end: &[f64; NODES]) -> bool {
         let mut s = *start;
         let mut e = *end;
@@ -185,7 +185,8 @@ impl<'a> Sum<'a> {
         self.turn((from, to), self.derivatives(from)[1])
     }
 
-    /// The same where the derivative `leaves` the first one with this sign, whatever rounding makes of it there.
+    /// The turn between two times where the derivative `leaves` the first one with this sign, whatever rounding makes
+    /// of it there.
     fn turn(&self, (from, to): (f64, f64), leaves: f64) -> f64 {
         let slope = |t: f64| {
             let [_, slope, bend, third] = self.derivatives(t);
@@ -217,9 +218,9 @@ impl<'a> Sum<'a> {
     }
 }
 
-/// Root of a function that `rises` or falls through zero between two times, given with two derivatives (at the earlier
-/// one too): Halley's steps inside a shrinking bracket, which is halved instead where a step would leave it or the last
-/// one has not halved the function.
+/// Root of a function that `rises` or falls through zero between two times, given with two derivatives (at the
+/// earlier one too). It takes Halley's steps inside a shrinking bracket. The bracket is halved instead where a step
+/// would leave it, or where the last step has not halved the function.
 fn root(
     (mut low, mut high): (f64, f64),
     start: [f64; 3],
@@ -241,8 +242,8 @@ fn root(
         } else {
             low + (high - low) / 2.0
         };
-        // Halley trebles the digits: after a step this small the rest is rounding. Where the function is flat but bent
-        // his step is small as well, far from the root; Newton's is not.
+        // Halley trebles the digits: after a step this small the rest is rounding. Where the function is flat but
+        // bent, Halley's step is small far from the root as well; Newton's is not.
         let step = newton.abs().max((next - t).abs());
         if (inside && step <= (t * SMALL_STEP).max(1e-19)) || high - low <= high * 2e-16 {
             return next;
@@ -276,7 +277,7 @@ pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
         size += b[k].abs();
         (partials[k], noise[k]) = (partial, FLAT * size);
     }
-    // Mostly they are all of one sign: one look at all of them, without a branch.
+    // Most sums have terms of one sign: one look at all of them, without a branch.
     let (mut rises, mut falls) = (false, false);
     for k in 0..NODES {
         rises |= partials[k] > noise[k];
@@ -321,7 +322,7 @@ fn steepest(start: &[f64; NODES], end: &[f64; NODES]) -> f64 {
     f64::max(top, -bottom)
 }
 
-/// Whether decaying terms that begin at `start` and have become `end` cannot have summed to zero between.
+/// Returns true if decaying terms that begin at `start` and have become `end` cannot have summed to zero between.
 fn bounded_away(start: &[f64; NODES], end: &[f64; NODES]) -> bool {
     let (mut top, mut bottom) = (0.0, 0.0);
     for (s, e) in start.iter().zip(end) {

@@ -15,7 +15,7 @@ use crate::time::Nanos;
 use burst::WireBurst;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 
-/// A burst ends after this long without a pulse.
+/// Pause without a pulse after which a burst has ended.
 pub const BURST_GAP: Nanos = Nanos::from_micros(20_000);
 
 /// One wire and the tissue under it.
@@ -67,7 +67,7 @@ impl Wire {
         })
     }
 
-    /// Also keeps the burn integrals at 0.1 mm from here on, at a few evaluations a step.
+    /// Keeps the burn integrals at 0.1 mm too from here on, at a few evaluations a step.
     #[must_use]
     pub fn with_dose(mut self) -> Self {
         self.solver.dose = Some(Dose::default());
@@ -88,8 +88,8 @@ impl Wire {
         }
     }
 
-    /// Sets the current from `at` on, A. Call it at every edge, in order; a time before the last
-    /// one counts as that. Setting what already flows costs nothing. Not a number counts as off.
+    /// Sets the current from `at` on, A. The caller sets every edge, in order; a time before the last one counts as
+    /// that. Setting the present current again costs nothing. Not a number counts as off.
     pub fn set_current(&mut self, at: Nanos, amps: f64) {
         let flows = amps.is_finite() && amps != 0.0;
         self.set_drive(
@@ -115,7 +115,7 @@ impl Wire {
         );
     }
 
-    /// Puts the wire on the skin as it is now, so that it moves it.
+    /// Puts the wire on the skin as it is now, so that the wire moves it.
     ///
     /// # Errors
     /// A parameter that cannot be computed with, by name.
@@ -195,7 +195,7 @@ impl Wire {
         (solver.wire_c(), solver.strain())
     }
 
-    /// Computes up to `to`; nothing if that is past. Questions do this themselves.
+    /// Computes up to `to`; a time in the past changes nothing. Questions do this themselves.
     pub fn advance(&mut self, to: Nanos) {
         self.solver.advance(to);
     }
@@ -211,19 +211,19 @@ impl Wire {
         self.solver.wire_c()
     }
 
-    /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, without going there: the solver
-    /// steps from look to look, so that a look of its own would change the last digits of what comes.
+    /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, without advancing. The solver steps
+    /// from look to look, so a look of its own would change the last digits of later ones.
     pub(crate) fn glance(&self, at: Nanos) -> [f64; 2] {
         self.solver.glance(at)
     }
 
-    /// A light copy that answers for temperatures as this one would.
+    /// A light copy that gives the temperatures that this wire would.
     #[must_use]
     pub fn ahead(&self) -> Self {
         Self::of(self.solver.ahead())
     }
 
-    /// One that answers for peaks, energy and dose too. Bursts and stretches stay behind.
+    /// Clones the wire to answer for peaks, energy and dose too. Bursts and stretches stay behind.
     #[must_use]
     pub(crate) fn ahead_with_books(&self) -> Self {
         Self::of(self.solver.ahead_with_books())
@@ -273,22 +273,22 @@ impl Wire {
         self.peaks_above(at, &Peaks::NONE)
     }
 
-    /// The same where of several wires only the warmest counts: tissue that cannot have passed `floor` is not searched, now
-    /// or later.
+    /// The peaks where only the warmest of several wires counts: tissue that cannot have passed `floor` is not
+    /// searched, now or later.
     pub(crate) fn peaks_above(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
         self.solver.peaks(floor)
     }
 
-    /// What [`Self::window_peaks`] comes to at least, without a search.
+    /// Lower bound of [`Self::window_peaks`], without a search.
     pub(crate) fn window_floor(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
         self.solver.window_floor()
     }
 
-    /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew. Of several wires
-    /// only the warmest counts: tissue that cannot have passed `floor` is not searched, and [`Self::peaks`] may miss what
-    /// it was.
+    /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew. Only the
+    /// warmest of several wires counts: tissue that cannot have passed `floor` is not searched, and [`Self::peaks`]
+    /// may miss its maximum.
     pub(crate) fn window_peaks(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
         self.solver.window_peaks(floor)
@@ -311,7 +311,7 @@ impl Wire {
         self.burst
     }
 
-    /// The solver underneath, for what is not asked often.
+    /// The solver underneath, for rare questions.
     pub const fn solver(&self) -> &Exact {
         &self.solver
     }

@@ -69,7 +69,7 @@ impl Default for NodeConfig {
     }
 }
 
-/// Why a frame was not taken for transmission.
+/// Reasons for which a frame was not taken for transmission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SendError {
     /// The transmit store is full (`ENOBUFS`): trying again later makes sense.

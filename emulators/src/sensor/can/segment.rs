@@ -55,7 +55,7 @@ pub struct Statistics {
 pub(super) struct Transmission {
     pub(super) sender: usize,
     pub(super) frame: CanFrame,
-    /// Nodes that sent the same identifier at the same moment, with what they sent.
+    /// Nodes that sent the same identifier at the same moment, with their frames.
     pub(super) rivals: Vec<(usize, CanFrame)>,
     error: Option<ErrorClass>,
     end: Nanos,
@@ -182,7 +182,7 @@ impl CanSegment {
         self.injected.push_back(error);
     }
 
-    /// Throws away what a node wanted to send (its reset, or its power is cut).
+    /// Drops the frames that a node wanted to send (its reset, or its power is cut).
     pub fn clear(&mut self, NodeId(n): NodeId) {
         if let Some(node) = self.nodes.get_mut(n) {
             node.transmit.clear();

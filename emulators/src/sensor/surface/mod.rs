@@ -1,9 +1,9 @@
-//! Textured surfaces and strokes over them: what a skin module is pressed against in chapter 3 of the thesis.
+//! Textured surfaces and strokes over them: a skin module is pressed against such surfaces in chapter 3 of the thesis.
 //!
-//! [`SurfaceTexture`] says what a surface is like, [`Relief`] is one drawn piece of it, [`SurfaceStroke`] moves a module over it
-//! and is what touches the module; [`Explorer`] makes a recording of every stroke; [`spearman`] says whether what was learnt
-//! of surfaces goes with what they are like. The taxels, their noise and
-//! their silicone are those of [`crate::sensor`]. Nothing of it is published but the names: all constants are assumed.
+//! [`SurfaceTexture`] has the properties of a surface, and [`Relief`] is one drawn piece of it. [`SurfaceStroke`] moves a
+//! module over it, and is the touch of the module. [`Explorer`] makes a recording of every stroke. [`spearman`] tells how
+//! well a learnt coordinate follows a property. The taxels, their noise and their silicone are those of
+//! [`crate::sensor`]. Only the names are published: all constants are assumed.
 
 mod explorer;
 mod rank;

@@ -1,4 +1,4 @@
-//! Rank correlation: whether what was learnt of surfaces goes with what they are like.
+//! Rank correlation, which tells how well a learnt coordinate follows a property of surfaces.
 
 /// Spearman's rank correlation, -1 to 1: Pearson's of the ranks. Equal values share their mean rank; 0 where one side
 /// does not vary. What has no partner on the other side does not count. NaN ranks above every number (or, with a sign,

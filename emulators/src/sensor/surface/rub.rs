@@ -1,4 +1,4 @@
-//! A contact whose own surface is textured: what its relief and its friction add while it slides over the skin.
+//! A contact whose own surface is textured: its relief and its friction add forces while it slides over the skin.
 
 use palpate_core::random::RandomStream;
 

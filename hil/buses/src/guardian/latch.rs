@@ -1,9 +1,9 @@
 //! The latched stop: a record that outlives every process and holds the cause for which outputs were switched off,
 //! until a person clears it.
 //!
-//! It is armed before the first pulse, under the lock of its hardware, and a stop only writes over it. So a stop needs
-//! no room on the disk, no memory and no descriptor. A record that is armed when nobody holds the lock is a stop as
-//! well: whatever ended the run, nobody saw the outputs off. A record is never taken away, it is written as clear: so
+//! It is armed before the first pulse, under the lock of its hardware, and a stop only writes over it. A stop therefore
+//! needs no room on the disk, no memory and no descriptor. A record that is armed while no program holds the lock is a
+//! stop as well: no program saw the outputs off, whatever ended the run. A record is never deleted, only marked as clear:
 //! every user can clear it, and no user needs a right to the folder of another's.
 
 use std::env;

@@ -15,34 +15,34 @@ use super::reading::{MOST_VALUES, format_of, read_bytes};
 
 /// Most bytes of a file: the iCub's blobs have 4 MB.
 const MOST: u64 = 256 << 20;
-/// Rows, columns and steps of a slide of the iCub's set, as its header says. In memory a slide is columns x steps x
-/// rows: only so do readings run on smoothly from step to step.
+/// Rows, columns and steps of a slide of the iCub's set, as its header states them. In memory a slide is columns x
+/// steps x rows: only in that order do readings run on smoothly from step to step.
 const SLIDE: [usize; 3] = [6, 10, 75];
-/// Counts that were averaged are not whole, and lie at least so far apart; what lies nearer is in another unit.
+/// Least span of averaged counts, which are not whole; values closer together are in another unit.
 const LEAST_SPAN: f32 = 16.0;
 
 /// An array as a file holds it.
 #[derive(Debug)]
 struct Stored {
-    /// Empty in a file of one array.
+    /// Name of the array; empty in a file of one array.
     name: String,
     shape: Vec<usize>,
-    /// Whether the first index runs fastest.
+    /// True if the first index runs fastest.
     is_fortran: bool,
     values: Vec<f64>,
 }
 
-/// Where the values of a frame are.
+/// Places of the values of a frame.
 #[derive(Debug)]
 struct View {
     frames: usize,
     /// Offsets of the columns from the frame's own.
     columns: Vec<usize>,
-    /// So many frames are `step` apart; then the next ones begin `jump` after the first of these.
+    /// Number of frames that are `step` apart. The next ones begin `jump` after the first of these.
     run: usize,
     step: usize,
     jump: usize,
-    /// What had to be assumed.
+    /// Assumptions made about the array.
     note: Option<String>,
 }
 
@@ -61,11 +61,11 @@ pub(super) struct Array {
     row: usize,
 }
 
-/// Reads the array of a file that has `count` columns; any, where that is 0. Up to `rest_rows` rows at rest are put before
-/// readings that are compensated.
+/// Reads the array of a file that has `count` columns, or any number of columns if `count` is 0. Up to `rest_rows`
+/// rows at rest are put before readings that are compensated.
 ///
 /// # Errors
-/// A file that is none, or holds no such array, or several.
+/// A file that is no such file, or holds no such array, or several.
 pub(super) fn read(path: &Path, count: usize, rest_rows: usize) -> Result<Array, FileError> {
     let label = path.display().to_string();
     let bytes = read_bytes(path, "an array", MOST)?;
@@ -138,17 +138,17 @@ fn chosen(
         rounds: count > 0 && !is_whole && span >= LEAST_SPAN,
         row: 0,
     };
-    // Beside times of its own a recording begins when it does.
+    // A recording with times of its own begins when they do.
     if array.times.is_none() && array.is_compensated() {
         array.rest = rest_rows;
     }
     Ok(array)
 }
 
-/// How an array holds frames of `count` columns, or of up to two more: a number and a time before them.
+/// Finds the frames of `count` columns in an array, or of up to two more: a number and a time before them.
 fn view(stored: &Stored, count: usize) -> Option<View> {
     let Stored { shape, .. } = stored;
-    // With a 0 the product of some sizes says nothing of the others.
+    // With a 0 the product of some sizes tells nothing of the others.
     if shape.contains(&0)
         || shape
             .iter()
@@ -184,7 +184,7 @@ fn view(stored: &Stored, count: usize) -> Option<View> {
     let width: usize = inner.iter().product();
     let mut note = None;
     let (frames, stride, columns) = if !inner.is_empty() && fits(width) {
-        // Readings of an axis after those of another become taxel by taxel.
+        // Readings that the file has axis after axis become taxel by taxel.
         let dims: Vec<usize> = match inner {
             [3, taxels] if *taxels != 3 => {
                 note = Some("axes before taxels: the second index is taken for x, y, z".to_owned());
@@ -224,7 +224,7 @@ fn offsets(shape: &[usize], strides: &[usize], dims: &[usize]) -> Vec<usize> {
 }
 
 impl Array {
-    /// Whether 0 stands for no pressure: half of the columns and more rest at it.
+    /// Returns true if 0 stands for no pressure: half of the columns and more rest at it.
     fn is_compensated(&self) -> bool {
         let least = |column: usize| {
             let frames = 0..self.view.frames;
@@ -245,7 +245,7 @@ impl Array {
         self.values.get(place).copied().unwrap_or_default()
     }
 
-    /// What is to be said of the readings.
+    /// Remarks on the readings.
     pub(super) fn note(&self) -> Option<String> {
         let mut parts = Vec::from_iter(self.view.note.clone());
         if self.rest > 0 {
@@ -311,7 +311,7 @@ impl Kind {
         }
     }
 
-    /// Numbers of this type; none where it is not known, or where they are more than a table may hold.
+    /// Numbers of this type; none where the type is unknown, or where they are more than a table may hold.
     fn numbers(self, bytes: &[u8], is_big: bool) -> Option<Vec<f64>> {
         let width = self.width();
         let is_known = matches!(width, 1 | 2 | 4 | 8) && self != Self::Float(1);
@@ -352,7 +352,7 @@ fn half(bits: u64) -> f64 {
     }
 }
 
-/// What was expected of a file, and found.
+/// Expectation of a file, and the finding in its place.
 type Unread = (&'static str, String);
 
 /// A little-endian number of up to eight bytes in a file.
@@ -382,13 +382,13 @@ impl Unpacking {
         Some(part)
     }
 
-    /// A part as it stands in an archive.
+    /// Unpacks a part of an archive.
     fn deflated(&mut self, packed: &[u8]) -> Option<Vec<u8>> {
         let part = miniz_oxide::inflate::decompress_to_vec_with_limit(packed, self.left);
         self.kept(part.ok()?)
     }
 
-    /// A part with zlib's own head.
+    /// Unpacks a part with zlib's own head.
     fn zlib(&mut self, packed: &[u8]) -> Option<Vec<u8>> {
         let part = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(packed, self.left);
         self.kept(part.ok()?)

@@ -14,15 +14,15 @@ settings! {
     pub struct BenchDac {
         /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' buses and addresses.
         pub addresses: Vec<u8> = vec![*ADDRESSES.start()],
-        /// Pulses are no shorter than this, microseconds: a weaker level has less current instead.
+        /// Shortest pulse, microseconds: a weaker level has less current instead.
         pub shortest_us: f64 = 50.0,
-        /// How far a current may be from what was set, a part of that.
+        /// Largest deviation of a current from what was set, a part of that.
         pub gain_tolerance: f64 = 0.01,
-        /// And how far beside that, mA.
+        /// Largest deviation beside that, mA.
         pub offset_tolerance_ma: f64 = 5.0,
-        /// What an emulated amplifier gives over what was set, within the tolerance.
+        /// Current of an emulated amplifier over what was set, within the tolerance.
         pub gain: f64 = 1.0,
-        /// What it gives beside that, mA, within the tolerance.
+        /// Current that it adds to that, mA, within the tolerance.
         pub offset_ma: f64 = 0.0,
     }
 
@@ -41,7 +41,7 @@ impl BenchDac {
             offset_ma: -offset..=offset, "mA")
     }
 
-    /// The most that flows where this was set, mA.
+    /// The most current that flows at a setting, mA.
     fn most_ma(&self, set_ma: f64) -> f64 {
         set_ma * (1.0 + self.gain_tolerance) + self.offset_tolerance_ma
     }
@@ -78,7 +78,8 @@ impl Bench {
         boards.into_iter().map(|(bus, _)| bus).collect()
     }
 
-    /// Each board has a converter, at an address that nothing else on the bus answers to, and each wire an output of it.
+    /// Checks that each board has a converter, at an address that nothing else on the bus answers to, and each wire
+    /// an output of one.
     fn check_addresses(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
         for (index, output) in self.outputs.iter().enumerate() {
             let key = |name: &str| match (source.states("outputs"), &*self.displays) {
@@ -119,7 +120,7 @@ impl Bench {
         Ok(())
     }
 
-    /// The supply bears what may flow at one instant at the least: a wire, at the most that its amplifier gives.
+    /// Checks that the supply bears the least load at one instant: one wire, at the most that its amplifier gives.
     fn check_most(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
         let (set, supply) = (self.drive.current_ma, self.drive.supply_limit_ma);
         // Boards of several displays are not in step.

@@ -8,7 +8,7 @@ use crate::error::FileError;
 use crate::layout::DisplayLayout;
 use crate::source::Source;
 
-/// A bench has at most so many displays, and as many boards.
+/// Most displays of a bench, and most boards.
 const MOST: usize = 16;
 
 /// One of several displays of a bench: a fingertip.
@@ -16,13 +16,13 @@ const MOST: usize = 16;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BenchDisplay {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
     /// A display layout: a built-in name or a file; left out: the bench's `display`, which a real bench then states.
     pub layout: Option<String>,
     /// The emulated person who wears it: a built-in name or a file; left out: the scene's.
     pub person: Option<String>,
-    /// That person's calibration: a built-in name or a file; left out: the scene's.
+    /// The calibration of that person: a built-in name or a file; left out: the scene's.
     pub wearer: Option<String>,
     /// The hand that wears it, lower case with hyphens; left out: all such displays are on one hand.
     pub hand: Option<String>,
@@ -33,7 +33,7 @@ pub struct BenchDisplay {
 }
 
 impl Bench {
-    /// Checks the displays, and says in `outputs` what is connected to all of them.
+    /// Checks the displays, and collects their connections in `outputs`.
     pub(super) fn join_displays(&mut self, source: &Source, adapters: u8) -> Result<(), FileError> {
         if self.displays.is_empty() {
             return Ok(());
@@ -73,7 +73,7 @@ impl Bench {
             self.outputs.append(&mut display.outputs.clone());
         }
         self.displays = displays;
-        // Those of an emulated bench are there for the asking.
+        // An emulated bench takes any number of boards and adapters.
         let buses = match self.kind {
             BenchKind::Real => adapters,
             BenchKind::Emulated => MOST as u8,
@@ -82,7 +82,7 @@ impl Bench {
         self.check_supply(source)
     }
 
-    /// Every name, and every channel of a board, belongs to one display alone.
+    /// Checks that every name, and every channel of a board, belongs to one display alone.
     fn check_displays(&self, source: &Source, buses: u8) -> Result<(), FileError> {
         let mut taken: Vec<(Output, &str)> = Vec::new();
         for (index, display) in self.displays.iter().enumerate() {
@@ -121,14 +121,14 @@ impl Bench {
         (boards <= MOST).then_some(()).ok_or_else(many)
     }
 
-    /// How many boards the outputs are on.
+    /// Number of boards that the outputs are on.
     #[must_use]
     pub fn boards(&self) -> usize {
         let boards = self.outputs.iter().map(|o| (o.bus, o.board));
         boards.collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// Boards run asynchronously, so that the currents of one wire each may flow at one instant.
+    /// Checks the supply. Boards run asynchronously, so one wire of each may have its current at one instant.
     fn check_supply(&self, source: &Source) -> Result<(), FileError> {
         let (boards, wire) = (self.boards(), self.drive.current_ma);
         let needed = boards as f64 * wire;

@@ -13,11 +13,11 @@ settings! {
     pub struct BenchHeat {
         /// Air at the sink, degrees C.
         pub air_c: f64 = 25.0,
-        /// From the sink to the air, K/W.
+        /// Thermal resistance from the sink to the air, K/W.
         pub sink_k_w: f64 = PeltierParameters::default().sink_k_w,
         /// Heat capacity of the sink, J/K.
         pub sink_j_k: f64 = PeltierParameters::default().sink_j_k,
-        /// From the face through the skin to the body, W/K.
+        /// Thermal conductance from the face through the skin to the body, W/K.
         pub skin_w_k: f64 = PeltierParameters::default().skin_w_k,
     }
 

@@ -13,9 +13,9 @@ use crate::source::Source;
 pub enum Network {
     /// A cable: half a millisecond at most, nothing lost.
     Wire,
-    /// A Wi-Fi microcontroller near its access point, as measured: docs/unit.md.
+    /// A Wi-Fi microcontroller near its access point, with the figures measured in docs/unit.md.
     Wifi,
-    /// The same with a worse radio.
+    /// A Wi-Fi microcontroller with a worse radio.
     Rough,
 }
 
@@ -23,17 +23,17 @@ settings! {
     /// A driver unit: an emulated one behind an emulated network, or with an `address` one that is there.
     #[derive(Eq)]
     pub struct BenchUnit {
-        /// Where a unit listens: ADDRESS or ADDRESS:PORT; left out: it is emulated.
+        /// Address of a unit: ADDRESS or ADDRESS:PORT; left out: it is emulated.
         pub address: Option<String>,
         /// The file of the key that is shared with it. A unit with an address has one.
         pub key: Option<String>,
         /// The network to an emulated unit.
         pub network: Network = Network::Wifi,
-        /// From an onset to its effect, milliseconds: more than the network's usual way.
+        /// Time from an onset to its effect, milliseconds: more than the network's usual way.
         pub delay_ms: u32 = 20,
-        /// How fast an emulated unit's crystal is, parts per million; negative is slow.
+        /// Deviation of an emulated unit's crystal, parts per million; negative is slow.
         pub drift_ppm: i32 = 100,
-        /// Whether an emulated unit's processor bears the guard's thermal rows; the host has them in any case.
+        /// True if an emulated unit's processor bears the guard's thermal rows; the host has them in any case.
         pub heat: bool = false,
     }
 }
@@ -41,7 +41,7 @@ settings! {
 impl BenchUnit {
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
         bounds!(source, "unit", self;
-            // Later than this, the 100 ms of the reading would be over before the stimulus is.
+            // With a longer delay the 100 ms of the reading would end before the stimulus.
             delay_ms: 0..=40, "ms";
             drift_ppm: -1000..=1000, "ppm")?;
         match (&self.address, &self.key) {

@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 
 use super::Leaves;
 
-/// Most numbers of a message, and how deep messages lie in one another.
+/// Most numbers of a message; `DEEPEST` bounds the nesting of messages.
 const MOST_LEAVES: usize = 1 << 20;
 const DEEPEST: usize = 16;
 
-/// How many values a field has.
+/// Number of values of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Count {
     One,
     Fixed(usize),
-    /// As its own length says.
+    /// A number that the field's own length states.
     Stated,
 }
 
@@ -24,7 +24,7 @@ struct Field {
     count: Count,
 }
 
-/// What a message is made of.
+/// Fields that make up a message.
 #[derive(Debug)]
 pub(super) struct Definition {
     name: String,
@@ -50,7 +50,7 @@ impl Definition {
         Self { name, messages }
     }
 
-    /// The numbers of a message; none where it is not whole, or not of this definition.
+    /// The numbers of a message; none where it is cut, or has another definition.
     pub(super) fn read(&self, data: &[u8], leaves: &mut Leaves) -> Option<()> {
         let (head, body) = data.split_at_checked(4)?;
         let mut bytes = Aligned {
@@ -83,7 +83,7 @@ impl Definition {
                 Count::Fixed(count) => count,
                 Count::Stated => usize::try_from(bytes.number(4)?).ok()?,
             };
-            // Each value has a byte at least: more cannot be whole.
+            // Each value has a byte at least, so a longer list cannot be whole.
             if count > bytes.body.len() {
                 return None;
             }
@@ -126,7 +126,7 @@ impl Definition {
                 return Some(());
             }
             other => {
-                // A name without a package is of the same one.
+                // A name without a package is of the message's own.
                 let package = within.split('/').next().unwrap_or_default();
                 let whole = match other {
                     "Header" => "std_msgs/Header".to_owned(),
@@ -141,12 +141,12 @@ impl Definition {
     }
 }
 
-/// `package/Name` of `package/msg/Name`.
+/// The name `package/Name` of `package/msg/Name`.
 fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// A line such as `uint16[<=48] data 0 # counts`; none for a constant, a remark, or nothing.
+/// A field from a line such as `uint16[<=48] data 0 # counts`; none for a constant, a remark, or an empty line.
 fn field(line: &str) -> Option<Field> {
     let line = line.split('#').next()?;
     let mut words = line.split_whitespace();
@@ -162,7 +162,7 @@ fn field(line: &str) -> Option<Field> {
             Err(_) => (kind, Count::Stated),
         },
     };
-    // A bound of a text says nothing of its bytes.
+    // The bound of a text tells nothing of its bytes.
     let kind = kind.split("<=").next()?;
     Some(Field {
         name: name.to_owned(),

@@ -1,7 +1,8 @@
 //! Messages of an MCAP file as the text of a table: a row for each message of the topic that holds most numbers.
 //!
-//! A column is called by its fields and places in lists, `data.0`; the first column is when a message was logged. Bags of
-//! ROS 2 (CDR) and messages in JSON are read. Packed chunks are named with the command that unpacks them.
+//! A column is named by its fields and places in lists, `data.0`; the first column is the time at which a message was
+//! logged. The reader takes bags of ROS 2 (CDR) and messages in JSON. For packed chunks its error names the command
+//! that unpacks them.
 
 mod cdr;
 
@@ -21,7 +22,7 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const MOST_RECORD: u64 = 64 << 20;
 /// Messages that are looked at to choose a topic.
 const LOOKED_AT: usize = 1000;
-/// The topic of recordings of ours: frames of a bus.
+/// The topic of this project's recordings: frames of a bus.
 const CAN: &str = "/can";
 
 /// Kinds of record, by the specification's numbers.
@@ -33,7 +34,7 @@ mod op {
     pub const DATA_END: u8 = 0x0f;
 }
 
-/// A message as its numbers, each under a name.
+/// A message as its numbers, each with its name.
 type Leaves = Vec<(String, String)>;
 
 /// Reads a file message by message.
@@ -41,11 +42,12 @@ pub(super) struct Messages {
     records: Records,
     topic: u16,
     name: String,
-    /// The names of the columns, once they are known.
+    /// Names of the columns, once they are known.
     names: Vec<String>,
 }
 
-/// Whether a file holds frames of a bus, as those that this program writes, or was cut before it says what it holds.
+/// Returns true if a file holds frames of a bus, like those that this program writes, or ends before it states what
+/// it holds.
 #[must_use]
 pub fn holds_frames(path: &Path) -> bool {
     let Ok(mut records) = Records::open(path) else {
@@ -74,7 +76,7 @@ impl Messages {
     /// Opens a file, and chooses its topic.
     ///
     /// # Errors
-    /// A file without a message that is read.
+    /// A file without a message that the reader takes.
     pub(super) fn open(path: &Path) -> Result<Self, FileError> {
         let mut records = Records::open(path)?;
         let mut most: BTreeMap<u16, usize> = BTreeMap::new();
@@ -111,7 +113,7 @@ impl Messages {
         })
     }
 
-    /// What is to be said of the choice.
+    /// Remark on the choice of the topic.
     pub(super) fn note(&self) -> String {
         format!(
             "{}: rows are the messages of topic `{}`",
@@ -159,11 +161,11 @@ impl Lines for Messages {
     }
 }
 
-/// What the messages of a topic are made of.
+/// Topic, encoding and schema of messages.
 struct Channel {
     topic: String,
     encoding: String,
-    /// By the number of a schema.
+    /// Number of the schema.
     schema: u16,
 }
 
@@ -179,7 +181,7 @@ struct Records {
     input: BufReader<File>,
     definitions: BTreeMap<u16, Definition>,
     channels: BTreeMap<u16, Channel>,
-    /// The chunk that is read, and how far.
+    /// The chunk under way, and the place reached in it.
     chunk: Vec<u8>,
     at: usize,
 }
@@ -203,7 +205,7 @@ impl Records {
         })
     }
 
-    /// The next message; none at the end. What a file was cut in is left out.
+    /// The next message; none at the end. A message that the file was cut in is left out.
     fn advance(&mut self) -> Result<Option<Message>, FileError> {
         loop {
             let record = match self.of_chunk() {
@@ -296,7 +298,7 @@ impl Records {
         Some(())
     }
 
-    /// The numbers of a message; none of another encoding.
+    /// The numbers of a message; none for another encoding.
     fn leaves(&self, message: &Message) -> Result<Option<Leaves>, FileError> {
         let Some(channel) = self.channels.get(&message.channel) else {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! Protocols of studies with people: what a participant is asked, in which order, and who answers where a study is
+//! Protocols of studies with people: the questions and their order, and the people who answer where a study is
 //! simulated.
 
 mod people;
@@ -26,35 +26,35 @@ use tasks::{check_text, check_word};
 /// Most trials of a session: more than a day of them is a slip of the keyboard.
 const MOST_TRIALS: u64 = 5000;
 
-choice! { /** In which order conditions come. */ Order {
-    /// Each condition once, shuffled; then all of them again, shuffled anew.
+choice! { /** Orders of conditions. */ Order {
+    /// Each condition once, shuffled; then all of them once more, shuffled anew.
     Blocks = "blocks",
     /// All repeats of all conditions, shuffled together.
     Shuffle = "shuffle",
     /// Rows of a Latin square in which each condition follows each other one equally often (Williams 1949); participants and
     /// repeats take its rows in turn.
     LatinSquare = "latin-square",
-    /// As the file lists them, over and over.
+    /// The file's order, over and over.
     AsListed = "as-listed",
 } }
 
-/// What a participant meets in a trial.
+/// A condition that a participant meets in a trial.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// Its name in the data; participants never see it.
+    /// The condition's name in the data; participants never see it.
     pub name: String,
     /// The scene that is played: a built-in name or a file.
     pub scene: Option<String>,
     /// The scene's illusion, in place of its own.
     pub illusion: Option<String>,
-    /// How `inverse` renders a contact, in place of the scene's own.
+    /// The style in which `inverse` renders a contact, in place of the scene's own.
     pub render: Option<String>,
     /// Changes to the scene, or with `bench.` before the key to the bench, as `--set` takes them.
     #[serde(default)]
     pub set: Vec<String>,
-    /// What the experimenter lays under the finger, where no scene is played.
+    /// The thing that the experimenter lays under the finger, where no scene is played.
     pub present: Option<String>,
 }
 
@@ -63,13 +63,13 @@ pub struct Condition {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Question {
-    /// In one word: the name of a column.
+    /// The question in one word: the name of a column.
     pub name: String,
     /// The question.
     pub text: String,
-    /// What may be answered.
+    /// Possible answers.
     pub choices: Vec<String>,
-    /// Whether it comes after the trials; before them if left out.
+    /// True for a question after the trials; before them if left out.
     #[serde(default)]
     pub after: bool,
 }
@@ -79,17 +79,17 @@ pub struct Question {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Protocol {
-    /// Lower case with hyphens.
+    /// Name, in lower case with hyphens.
     pub name: String,
-    /// What it finds out, in a sentence.
+    /// The finding that the study is after, in a sentence.
     pub description: String,
-    /// Which values are neither published nor measured; results flag it.
+    /// The values that are neither published nor measured; results flag it.
     pub assumed: Option<String>,
-    /// What a participant agrees to before anything else.
+    /// The text that a participant agrees to before anything else.
     pub consent: Option<String>,
-    /// What a participant reads before the first trial.
+    /// The text that a participant reads before the first trial.
     pub instructions: Option<String>,
-    /// In which order conditions or wires come.
+    /// Order in which conditions or wires come.
     #[serde(default = "blocks")]
     pub order: Order,
     /// Trials of each task that do not count, before those that do.
@@ -103,13 +103,13 @@ pub struct Protocol {
     /// Least time between two stimuli, seconds.
     #[serde(default = "second")]
     pub pause_s: f64,
-    /// How long a wire is driven where a task names wires, seconds.
+    /// Time for which a wire is driven where a task names wires, seconds.
     #[serde(default = "burst")]
     pub stimulus_s: f64,
     /// Questions before and after the trials.
     #[serde(default)]
     pub questions: Vec<Question>,
-    /// What tasks refer to by name.
+    /// Conditions that tasks refer to by name.
     #[serde(default)]
     pub conditions: Vec<Condition>,
     /// The absolute threshold of each wire.
@@ -118,13 +118,13 @@ pub struct Protocol {
     pub difference: Option<DifferenceTask>,
     /// Wires that shall feel alike.
     pub matching: Option<MatchTask>,
-    /// Where a wire was felt.
+    /// The place at which a wire was felt.
     pub localisation: Option<LocateTask>,
     /// The path that was felt.
     pub drawing: Option<DrawTask>,
     /// Ratings from 1 to 6.
     pub rating: Option<RatingTask>,
-    /// Which of two.
+    /// The choice between two conditions.
     pub choice: Option<ChoiceTask>,
 }
 
@@ -145,7 +145,7 @@ const fn burst() -> f64 {
 }
 
 impl Condition {
-    /// What it changes of its scene and of the bench.
+    /// Changes that the condition makes to its scene and the bench.
     ///
     /// # Errors
     /// An entry of `set` that is not `KEY=VALUE`.
@@ -182,7 +182,7 @@ impl Condition {
     }
 }
 
-/// A name that none before it has.
+/// Checks a name that none before it may have.
 fn check_new<'n>(
     source: &Source,
     at: &str,
@@ -217,7 +217,7 @@ impl Protocol {
     /// Reads and checks a protocol.
     ///
     /// # Errors
-    /// Names the line and key of what cannot be.
+    /// Names the line and key of a value that is refused.
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
@@ -250,7 +250,7 @@ impl Protocol {
         trials.map(|trials| trials + u64::from(self.practice)).sum()
     }
 
-    /// The tasks in their order, each with the number of its wires, conditions or pairs, and how often each of these comes.
+    /// The tasks in their order, each with the number of its wires, conditions or pairs, and the repeats of each.
     #[must_use]
     pub fn tasks(&self) -> Vec<(TaskKind, usize, u32)> {
         use TaskKind as K;
@@ -324,7 +324,7 @@ impl Protocol {
         check(self.choice.as_ref().map(|t| t.check(source)))
     }
 
-    /// Every condition that a task names is there, and is one that the task can have.
+    /// Checks that every condition that a task names exists and suits the task.
     fn check_names(&self, source: &Source) -> Result<(), FileError> {
         let listed = |task: &str, names: &[String], played: bool| {
             if names.is_empty() {

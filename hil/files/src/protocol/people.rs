@@ -1,4 +1,4 @@
-//! Who answers where a study is simulated: what is drawn for each participant, and from which distribution.
+//! People who answer where a study is simulated: the traits drawn for each participant, and their distributions.
 
 use serde::Deserialize;
 
@@ -17,7 +17,7 @@ pub struct Normal {
     pub sd: f64,
 }
 
-/// Thresholds of simulated people, and how they answer.
+/// Thresholds of simulated people, and the traits of their answers.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -45,7 +45,7 @@ pub struct SimulatedDifferences {
     pub lapse: f64,
 }
 
-/// At which level wires feel alike to simulated people.
+/// Levels at which wires feel alike to simulated people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -58,12 +58,12 @@ pub struct SimulatedMatches {
     pub lapse: f64,
 }
 
-/// Where simulated people point.
+/// Places at which simulated people point.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedPlaces {
-    /// How far a participant points to the right of the place on average, mm; and as far up, drawn apart.
+    /// Mean distance by which a participant points to the right of the place, mm; and as far up, drawn apart.
     pub bias_mm: Normal,
     /// Standard deviation of one answer, mm.
     pub noise_mm: f64,
@@ -71,18 +71,18 @@ pub struct SimulatedPlaces {
     pub slips: f64,
 }
 
-/// How simulated people draw.
+/// Drawings of simulated people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedDrawings {
-    /// How far a participant's drawing lies to the right of the path, mm; and as far up, drawn apart.
+    /// Distance of a participant's drawing to the right of the path, mm; and as far up, drawn apart.
     pub bias_mm: Normal,
     /// Factor by which a participant's drawing is larger.
     pub scale: Normal,
     /// Standard deviation of the hand around its line, mm; it wanders with a memory of 0.2 s.
     pub noise_mm: f64,
-    /// How many breaks a second the person marks that the path does not have.
+    /// Rate of breaks that the person marks and the path does not have, per second.
     pub breaks_hz: f64,
 }
 
@@ -95,11 +95,12 @@ pub struct SimulatedRatings {
     pub rating: Normal,
     /// Standard deviation of one rating from its participant's.
     pub noise: f64,
-    /// How much higher the second condition of a comparison is rated where the question is how many people it takes to see it.
+    /// Excess of the second condition's rating in a comparison, where the question is how many people it takes to see
+    /// it.
     pub difference: f64,
 }
 
-/// How simulated people choose.
+/// Choices of simulated people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

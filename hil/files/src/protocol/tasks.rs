@@ -11,17 +11,17 @@ use super::people::{
     SimulatedRatings, SimulatedThresholds,
 };
 
-choice! { /** How the level of the next trial is chosen. */ ThresholdMethod {
+choice! { /** Methods that choose the level of the next trial. */ ThresholdMethod {
     /// QUEST+ (Watson 2017): the level whose answer tells most.
     QuestPlus = "quest-plus",
     /// A staircase, one up and two down (Levitt 1971).
     Staircase = "staircase",
 } }
 
-choice! { /** Who meets which condition of a comparison. */ Groups {
+choice! { /** Rules by which participants meet the conditions of a comparison. */ Groups {
     /// Every participant meets every condition.
     Within = "within",
-    /// Of each compared pair odd participants meet the first condition, even ones the second.
+    /// Odd participants meet the first condition of each compared pair, even ones the second.
     Between = "between",
 } }
 
@@ -35,18 +35,18 @@ pub enum TaskKind {
     Difference,
     /// Wires that feel alike.
     Matching,
-    /// Where it was felt.
+    /// The place that was felt.
     Localisation,
     /// The path that was felt.
     Drawing,
     /// Ratings from 1 to 6.
     Rating,
-    /// Which of two.
+    /// The choice between two conditions.
     Choice,
 }
 
 impl TaskKind {
-    /// Its name in files and data.
+    /// The task's name in files and data.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -61,14 +61,14 @@ impl TaskKind {
     }
 }
 
-/// Which of two intervals had the stimulus? The least that is felt, for each wire.
+/// Threshold task: which of two intervals had the stimulus? It finds the least that is felt, for each wire.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ThresholdTask {
     /// Wires, counted from zero.
     pub wires: Vec<u16>,
-    /// How the level of the next trial is chosen.
+    /// The method that chooses the level of the next trial.
     pub method: ThresholdMethod,
     /// Trials for each wire.
     pub trials: u32,
@@ -76,7 +76,8 @@ pub struct ThresholdTask {
     pub simulated: SimulatedThresholds,
 }
 
-/// Which of two intervals was stronger? The least difference from a level that is felt, for each wire.
+/// Difference task: which of two intervals was stronger? It finds the least difference from a level that is felt, for
+/// each wire.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -85,7 +86,7 @@ pub struct DifferenceTask {
     pub wires: Vec<u16>,
     /// The level that both intervals have at least, dB of full drive: -12 leaves room for three times as much again.
     pub level_db: f64,
-    /// How the difference of the next trial is chosen.
+    /// The method that chooses the difference of the next trial.
     pub method: ThresholdMethod,
     /// Trials for each wire.
     pub trials: u32,
@@ -93,16 +94,16 @@ pub struct DifferenceTask {
     pub simulated: SimulatedDifferences,
 }
 
-/// Which of two wires was stronger? The level at which each feels as strong as one of them.
+/// Matching task: which of two wires was stronger? It finds the level at which each feels as strong as the reference.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MatchTask {
     /// The wire that the others are matched to, counted from zero.
     pub reference: u16,
-    /// Its level, dB of full drive.
+    /// Level of the reference, dB of full drive.
     pub level_db: f64,
-    /// The others.
+    /// Wires that are matched, counted from zero.
     pub wires: Vec<u16>,
     /// Trials for each wire.
     pub trials: u32,
@@ -110,7 +111,7 @@ pub struct MatchTask {
     pub simulated: SimulatedMatches,
 }
 
-/// Where was it? The participant points at it.
+/// Localisation task: where was it? The participant points at the place.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -119,37 +120,37 @@ pub struct LocateTask {
     pub wires: Vec<u16>,
     /// Level, dB of full drive.
     pub level_db: f64,
-    /// How often each wire comes.
+    /// Number of times that each wire comes.
     pub repeats: u32,
     /// The people who answer in a simulation.
     pub simulated: SimulatedPlaces,
 }
 
-/// Draw the path that you felt.
+/// Drawing task: the participant draws the path that was felt.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DrawTask {
     /// Names of conditions with a scene.
     pub conditions: Vec<String>,
-    /// How often each comes.
+    /// Number of times that each condition comes.
     pub repeats: u32,
     /// The people who answer in a simulation.
     pub simulated: SimulatedDrawings,
 }
 
-/// How rough, slippery or hard is it, from 1 to 6?
+/// Rating task: how rough, slippery or hard is it, from 1 to 6?
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RatingTask {
-    /// What is rated, each with what 1 and what 6 mean.
+    /// Scales of the rating, each with the meanings of 1 and 6.
     pub scales: Vec<RatingScale>,
     /// Names of conditions.
     pub conditions: Vec<String>,
     /// Pairs of conditions whose ratings are compared by Mann and Whitney's U.
     pub compare: Vec<[String; 2]>,
-    /// Who meets which condition of a comparison.
+    /// The rule by which participants meet the conditions of a comparison.
     pub groups: Groups,
     /// Ratings of each condition by a participant; their mean counts.
     pub repeats: u32,
@@ -162,15 +163,15 @@ pub struct RatingTask {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RatingScale {
-    /// In one word: the name of a column.
+    /// The scale in one word: the name of a column.
     pub name: String,
-    /// What 1 means.
+    /// Meaning of 1.
     pub low: String,
-    /// What 6 means.
+    /// Meaning of 6.
     pub high: String,
 }
 
-/// Which of two?
+/// Choice task: which of two?
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -179,13 +180,13 @@ pub struct ChoiceTask {
     pub question: String,
     /// Pairs of conditions; which of a pair comes first is drawn, as often one as the other.
     pub pairs: Vec<[String; 2]>,
-    /// How often each pair comes.
+    /// Number of times that each pair comes.
     pub repeats: u32,
     /// The people who answer in a simulation.
     pub simulated: SimulatedChoices,
 }
 
-/// Wires of a task: at least one, each once.
+/// Checks the wires of a task: at least one, each once.
 fn check_wires(source: &Source, task: &str, wires: &[u16]) -> Result<(), FileError> {
     if wires.is_empty() {
         return Err(source.bad(&format!("{task}.wires"), "one wire at least"));
@@ -205,12 +206,12 @@ fn check_level(source: &Source, task: &str, level_db: f64) -> Result<(), FileErr
     source.range(&key, &level_db, -40.0..=0.0, "dB of full drive")
 }
 
-/// Trials of one thing; more is a slip of the keyboard.
+/// Checks a number of trials; a larger one is a slip of the keyboard.
 fn check_count(source: &Source, key: &str, count: u32) -> Result<(), FileError> {
     source.range(key, &count, 1..=1000, "")
 }
 
-/// A sentence that is there.
+/// Checks that a sentence is not empty.
 pub(super) fn check_text(source: &Source, key: &str, text: &str) -> Result<(), FileError> {
     match text.trim().is_empty() {
         true => Err(source.bad(key, "a word or a sentence")),
@@ -218,7 +219,7 @@ pub(super) fn check_text(source: &Source, key: &str, text: &str) -> Result<(), F
     }
 }
 
-/// A name that can be the name of a column.
+/// Checks that a name can be that of a column.
 pub(super) fn check_word(source: &Source, key: &str, word: &str) -> Result<(), FileError> {
     let of_a_word = |c: char| c.is_ascii_lowercase() || c == '_';
     match !word.is_empty() && word.chars().all(of_a_word) {

@@ -20,29 +20,29 @@ use crate::scene::Scene;
 pub struct Finger {
     /// The display's name on the bench.
     pub name: String,
-    /// Where its wires are.
+    /// Layout of its wires.
     pub display: Loaded<DisplayLayout>,
-    /// Who wears it.
+    /// The person who wears it.
     pub person: Loaded<PersonFile>,
-    /// That person's calibration, if there is one.
+    /// The calibration of that person, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
     /// The hand that wears it.
     pub hand: Option<String>,
-    /// Its wires among all outputs of the bench.
+    /// Range of its wires among all outputs of the bench.
     pub wires: Range<usize>,
-    /// Its modules.
+    /// Modules that drive it.
     pub modules: Vec<usize>,
-    /// Whether all of them drive it; else the first does.
+    /// True if all of them drive it; else the first does.
     pub merged: bool,
-    /// When it is felt; always where there is none.
+    /// Condition under which it is felt; always where there is none.
     pub when: Option<Gate>,
-    /// Its texture, with the stroked module by the skin's numbers.
+    /// The texture felt there, with the stroked module by the skin's numbers.
     pub texture: Option<(Felt, Stroked)>,
     /// Strokes over its display.
     pub strokes: Vec<SceneStroke>,
 }
 
-/// Every module of a scene's skin belongs to one finger, by a rule where it is not alone.
+/// Checks that every module of a scene's skin belongs to one finger, by a rule where the finger has several.
 pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), FileError> {
     let (fingers, source) = (&scene.value.fingers, &scene.source);
     let mut owners: Vec<Option<&str>> = vec![None; sensor.modules.len()];
@@ -170,7 +170,7 @@ pub(super) fn of(
     Ok(fingers)
 }
 
-/// A finger's texture; the stroked module is the first unless it says another.
+/// A finger's texture; the stroked module is the first unless the texture states another.
 fn texture_of(
     scene: &Loaded<Scene>,
     index: usize,
@@ -185,7 +185,7 @@ fn texture_of(
     file.texture.as_ref().map(with).transpose()
 }
 
-/// Pulses that run by themselves leave no time on a board for another display's bursts.
+/// Checks that a board with pulses that run by themselves serves one display: they leave no time for other bursts.
 fn check_carriers(
     fingers: &[Finger],
     scene: &Loaded<Scene>,
@@ -215,7 +215,7 @@ fn check_carriers(
     Ok(())
 }
 
-/// Who wears a display: whom it names, else whom the scene names.
+/// The person who wears a display: the one that it names, else the one that the scene names.
 fn worn_by(
     bench: &Loaded<Bench>,
     number: usize,

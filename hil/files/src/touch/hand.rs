@@ -1,10 +1,10 @@
-//! What one finger of a hand did, sample by sample: a touch that was made on a page and can be repeated to the bit.
+//! Samples of one finger of a hand: a touch that was made on a page and can be repeated to the bit.
 
 use super::{Touch, TouchPoint};
 use crate::error::FileError;
 use crate::source::Source;
 
-/// When (us), where (um, right and up of the module's centre), how hard (mN; 0: lifted), how wide (um).
+/// Sample of a hand: time (us), place (um, right and up of the module's centre), force (mN; 0: lifted), width (um).
 pub type HandSample = [i64; 5];
 
 /// Samples of one finger at most: an hour at 60 per second.
@@ -19,7 +19,7 @@ const COLUMNS: [(&str, i64, i64); 5] = [
     ("diameter_um", 500, 500_000),
 ];
 
-/// The finger at `t_s`: as the last sample says that is not later. None while it is lifted.
+/// The finger at `t_s`, by the last sample that is not later. None while it is lifted.
 pub(super) fn at(samples: &[HandSample], t_s: f64) -> Option<TouchPoint> {
     // A nanosecond is more than the error of a day's microseconds in a double.
     let next = samples.partition_point(|sample| sample[0] as f64 <= t_s * 1e6 + 1e-4);
@@ -32,10 +32,10 @@ pub(super) fn at(samples: &[HandSample], t_s: f64) -> Option<TouchPoint> {
     })
 }
 
-/// Whether numbers make a sample: the first one that does not, what it is called, and its range.
+/// Checks that numbers make a sample. The error has the first one that does not, its name and its range.
 ///
 /// # Errors
-/// The column, and what was expected there.
+/// The column, and the expectation there.
 pub fn check_sample(sample: &HandSample) -> Result<(), (usize, String)> {
     for (column, (value, (name, low, high))) in sample.iter().zip(COLUMNS).enumerate() {
         if !(low..=high).contains(value) {

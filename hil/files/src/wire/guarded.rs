@@ -9,7 +9,7 @@ use super::WireFile;
 use crate::error::FileError;
 use crate::source::Source;
 
-/// What closes each sentence.
+/// End of each sentence.
 const WHY: &str = "the guard has rows of heat for no other";
 /// Heat capacities of the rows' corners, J/(m3 K): 322 to 837 J/(kg K) at 6450 kg/m3.
 const CAPACITY: [f64; 2] = [322.0 * 6450.0, 837.0 * 6450.0];
@@ -17,13 +17,13 @@ const CAPACITY: [f64; 2] = [322.0 * 6450.0, 837.0 * 6450.0];
 const LATENT_J_KG: f64 = 24_000.0;
 /// Least conductivity: the rows' own, W/(m K). A wire that conducts better loses more at its ends.
 const CONDUCTIVITY_W_MK: f64 = 18.0;
-/// Heat transfer to still air of a wire of 75 um, W/(m2 K), to whole ones. Air takes it away.
+/// Heat transfer to still air of a wire of 75 um, W/(m2 K), rounded to a whole number. Air takes heat away.
 const AIR_W_M2K: f64 = 172.0;
 
-/// Whether the guard has rows of heat for a wire of such a size.
+/// Checks that the guard has rows of heat for a wire of such a size.
 ///
 /// # Errors
-/// Names the line and key of what lies outside them, and their range.
+/// Names the line and key of a figure outside them, and their range.
 pub(super) fn size(wire: &WireFile, source: &Source) -> Result<(), FileError> {
     let range = |range: RangeInclusive<u32>| {
         let (low, high) = range.into_inner();
@@ -36,10 +36,10 @@ pub(super) fn size(wire: &WireFile, source: &Source) -> Result<(), FileError> {
     within("length_mm", wire.length_mm, WornWire::LENGTH_UM, "mm")
 }
 
-/// Whether the guard has rows of heat for a wire of such a material, in such air.
+/// Checks that the guard has rows of heat for a wire of such a material, in such air.
 ///
 /// # Errors
-/// Names the line and key of what lies outside them, and their range.
+/// Names the line and key of a figure outside them, and their range.
 pub(super) fn heat(wire: &WireFile, source: &Source) -> Result<(), FileError> {
     let heat = &wire.thermal;
     let [least, most] = CAPACITY.map(|each| each / heat.density_kg_m3);

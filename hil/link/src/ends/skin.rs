@@ -303,7 +303,7 @@ impl Turns<'_> {
         ended
     }
 
-    /// Boards that are silent are told to send, and what befell a bus is told.
+    /// Sends a start command to silent boards, and reports the events of each bus.
     fn look_after(&mut self, skin: &mut dyn Sensed, now: Instant) {
         let mut events = Vec::new();
         while let Some(note) = skin.note() {

@@ -273,7 +273,7 @@ impl Gate {
     }
 
     /// Likely delay of readings of that publisher after the time that [`Self::judge`] gives, which is the earliest that
-    /// is possible: half of the uncertainty of its clock. No deadline may hang on it.
+    /// is possible: half of the uncertainty of its clock. It only extrapolates places; staleness ignores it.
     #[must_use]
     pub fn likely_later(&self, now: Instant) -> Duration {
         let (low, high) = self.offset(now).unwrap_or((0, 0));

@@ -178,7 +178,7 @@ struct Turns<'a> {
     said: Instant,
     shown: Instant,
     watch: Watch,
-    /// As [`Shared::rezeros`], as far as it was done.
+    /// Rezeros done so far, of those counted in [`Shared::rezeros`].
     rezeros: usize,
 }
 

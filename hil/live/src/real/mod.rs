@@ -45,7 +45,7 @@ use warden::Wired;
 
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
-/// After a recording's last row.
+/// Time that a run goes on after a recording's last row.
 const AFTER: Duration = Duration::from_millis(100);
 
 /// Runs in real time: a scene's length on a real bench, where the world touches the skin, or a scene or recording on
@@ -130,8 +130,8 @@ fn only(setup: &Setup) -> Vec<(Place, Setup)> {
     vec![(Place::whole(&setup.bench.value), setup.clone())]
 }
 
-/// What stands at the sensor end beside a unit or a network, and when what touches it ends: the bench's own skin, with its
-/// frames kept or not, or a recording in its place.
+/// Opens the sensor end beside a unit or a network, and tells when its touches end. The end is the bench's own skin,
+/// with its frames kept or not, or a recording in its place.
 ///
 /// # Errors
 /// [`Failure`] for interfaces that cannot be opened, a scene or recording that fits no skin, or readings that come meanwhile.

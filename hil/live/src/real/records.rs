@@ -111,7 +111,7 @@ impl Records {
         self.views.are_open()
     }
 
-    /// As [`Views::rezero`].
+    /// Passes on [`Views::rezero`].
     pub(super) fn rezero(&self) -> Option<bool> {
         self.views.rezero()
     }

@@ -26,8 +26,8 @@ use palpate_files::{Columns, SensorLayout};
 use palpate_run::{Failure, Input, plan};
 use part::Part;
 
-/// What drives a run in place of touches: one recording per module of a layout, one of all modules side by side, or one
-/// of all its buses; and what is to be said of the files.
+/// Reads the recordings that drive a run in place of touches: one per module of a layout, one of all modules side by
+/// side, or one of all its buses. Remarks on the files come with them.
 ///
 /// # Errors
 /// [`Failure::Input`] with file, line and column.

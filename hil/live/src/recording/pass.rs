@@ -12,7 +12,7 @@ use palpate_files::{
 use palpate_records::{candump, mcap};
 use palpate_run::Identifiers;
 
-/// What this reads, for errors.
+/// Expected kind of file, for errors.
 const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
 
 fn too_many(label: &str, buses: usize, found: String) -> FileError {

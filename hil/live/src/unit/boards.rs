@@ -163,7 +163,7 @@ impl Guarded {
         Ok((opened, found))
     }
 
-    /// What the unit holds, once.
+    /// Takes the lines that the unit holds, once.
     pub(super) fn lines(&mut self) -> Option<(Line, OePin)> {
         let pin = OePin(Rc::clone(&self.guardian), self.has_oe);
         Some((self.line.take()?, pin))

@@ -60,7 +60,7 @@ struct Asked {
     stop: AtomicBool,
     /// 1 for a reference that is to be taken anew, 2 for one by force.
     rezero: AtomicU8,
-    /// Which display is shown; beyond the last one, counted on from the first.
+    /// Index of the display shown; beyond the last one, counted on from the first.
     display: AtomicUsize,
 }
 
@@ -125,7 +125,7 @@ impl Watch {
         self.shown.push(Shown::new(header, layout, end));
     }
 
-    /// Whether a key asked for the reference to be taken anew since the last call, and whether by force.
+    /// Tells whether a key asked for the reference to be taken anew since the last call; `true` asks by force.
     pub fn rezero(&self) -> Option<bool> {
         match self.asked.rezero.swap(0, Ordering::Relaxed) {
             0 => None,

@@ -1,4 +1,4 @@
-//! Differences of what a golden draws: the strip chart and the map of the pad, as far as no burst or event tells of them.
+//! Differences of a golden's drawings: the strip chart and the map of the pad, where no burst or event explains them.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ const LABEL: usize = 13;
 /// Most rows told by their names.
 const EACH: usize = 3;
 
-/// Tells what the drawings of two stories differ by. `driven` are the outputs whose bursts differ.
+/// Tells the differences between the drawings of two stories. `driven` are the outputs whose bursts differ.
 pub(super) fn drawings(
     a: &Story,
     b: &Story,

@@ -1,4 +1,4 @@
-//! Differences of bursts, in words: what is new, gone, earlier, later, longer, wider, limited.
+//! Differences of bursts, in words: bursts that are new, gone, earlier, later, longer, wider, limited.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -178,7 +178,7 @@ fn delay(a: &Trains, b: &Trains) -> i64 {
     }
 }
 
-/// Tells what the bursts of two stories differ by.
+/// Tells the differences between the bursts of two stories.
 pub(super) fn tell(a: &Story, b: &Story, tolerance: Tolerance, out: &mut Vec<Difference>) {
     let soa_us = a.timing.soa_us.max(1);
     let [mut first, second] = trains(a, b);

@@ -33,7 +33,7 @@ pub enum Grade {
     Stop,
     /// The guard stepped in, or no longer does.
     Limiter,
-    /// Less is left of a limit.
+    /// A limit of which less is left.
     Margin,
     /// Bursts that are new or gone.
     Burst,
@@ -47,7 +47,7 @@ pub enum Grade {
     Moment,
     /// More is left of a limit.
     Gain,
-    /// Nothing that anybody could feel or measure.
+    /// Differences that nobody could feel or measure.
     Cosmetic,
 }
 

@@ -63,7 +63,7 @@ fn tell(first: &Lines<'_>, second: &Lines<'_>, tolerance: Tolerance) -> Vec<Diff
     };
     let mut all = Vec::new();
     let none = Vec::new();
-    // By kind: what is new, what is gone.
+    // New moments by kind, then those that are gone.
     let mut new: BTreeMap<HappeningKind, Vec<&Happening>> = BTreeMap::new();
     let mut gone = new.clone();
     let keys: BTreeSet<_> = first.keys().chain(second.keys()).collect();

@@ -1,4 +1,4 @@
-//! Differences of what a golden prints in lines and tables: header, figures, rows, digests.
+//! Differences of a golden's lines and tables: header, figures, rows, digests.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::bursts::DrivenOutput;
 use crate::figures::Figure;
 use crate::story::{Column, GoldenKind, Role, Story, Table};
 
-/// Pieces of a header that name a run and say nothing of what it did.
+/// Pieces of a header that name a run and tell nothing of its actions.
 const NAMES: [&str; 5] = ["bench", "seed", "scene", "limits", "version"];
 /// The length of a run: a setting where it is emulated, measured where it is real.
 const LENGTH: &str = "length";

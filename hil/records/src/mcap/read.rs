@@ -45,7 +45,7 @@ pub struct Tear {
     pub what: &'static str,
 }
 
-/// Why nothing can be had of a file: what was expected and what was found.
+/// Refusal of a file: what was expected and what was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable {
     /// Content that was expected.

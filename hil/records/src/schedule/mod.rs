@@ -43,7 +43,7 @@ struct HeaderLine<'a> {
     tau_d_us: u64,
     #[serde(default)]
     soa_us: u64,
-    /// Left out where there is one.
+    /// Displays of the run; left out where there is one.
     #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
     displays: Vec<DisplayLine<'a>>,
 }
@@ -103,10 +103,10 @@ enum Record {
         period: u64,
         until_us: u64,
         requested: u16,
-        /// Left out where it is `until_us`.
+        /// Requested end, microseconds; left out where it is `until_us`.
         #[serde(skip_serializing_if = "Option::is_none")]
         requested_until_us: Option<u64>,
-        /// Left out where the amplifier has a current of its own.
+        /// Current, mA; left out where the amplifier has a current of its own.
         #[serde(skip_serializing_if = "Option::is_none")]
         current_ma: Option<u32>,
         reason: Option<&'static str>,

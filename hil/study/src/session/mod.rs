@@ -48,9 +48,9 @@ pub enum Step {
     Break,
     /// A trial, to be played and answered.
     Trial(Trial),
-    /// Nothing more: the session is over.
+    /// The end of the session.
     Done,
-    /// Nothing more: the participant did not agree.
+    /// The end of a session whose participant did not agree.
     Declined,
 }
 

@@ -81,8 +81,8 @@ pub struct Trial {
     pub intervals: Vec<Stimulus>,
     /// Question after the intervals.
     pub ask: Ask,
-    /// The interval that is the right answer, where there is one; of `matching` and `choice` the one whose choice counts as
-    /// yes.
+    /// The interval that is the right answer, where there is one; for `matching` and `choice` the one whose choice counts
+    /// as yes.
     pub right: Option<u8>,
     /// The level that the method chose: dB of full drive, of `difference` the difference as a part of the lesser one, dB.
     pub level_db: Option<f64>,

@@ -37,7 +37,7 @@ struct Arguments {
     /// (label,trained,hardness,roughness,friction) or `materials.csv` beside them says which labels may be trained on.
     #[arg(value_name = "FOLDER")]
     data: PathBuf,
-    /// Where the model goes.
+    /// File of the model.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// Columns to take: those whose name begins so.

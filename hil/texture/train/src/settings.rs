@@ -71,7 +71,7 @@ pub struct Settings {
     /// in the latent vector's place; the thesis had none.
     #[arg(long, default_value_t = 0)]
     pub guided: usize,
-    /// What to train on.
+    /// Device to train on.
     // models and checkpoints from before there was a choice ran on the processor
     #[serde(default)]
     #[arg(long, value_enum, default_value_t = Device::Cpu)]

@@ -56,7 +56,7 @@ impl Cloud {
         (0..ROUND).map(|frame| Self::new(n, k, frame)).collect()
     }
 
-    /// As K-means takes them.
+    /// Points in the type of K-means.
     pub fn points(&self) -> Points<'_> {
         Points {
             x: &self.x,

@@ -51,7 +51,7 @@ pub(super) fn measure(findings: &mut Findings) -> Result<(), Failure> {
     recording(findings)
 }
 
-/// What one scene came to, with more and more clusters.
+/// Results of one scene, with more and more clusters.
 #[derive(Default)]
 struct Sweep {
     places: Vec<Series>,
@@ -84,7 +84,7 @@ impl Sweep {
     }
 }
 
-/// Which contacts are drawn, and where.
+/// Choice of the contacts that are drawn: their time span, and the origins of their modules.
 struct Seen<'a> {
     /// Origin of each module, mm; without, all are drawn in their module's plane.
     origins: &'a [(f64, f64)],
@@ -262,7 +262,7 @@ fn trial() -> Option<PathBuf> {
     trials.filter(|file| file.is_file()).min()
 }
 
-/// How a real module's recording is run.
+/// Setup of a run of a real module's recording.
 fn recorded_setup(kc: u32) -> Result<Setup, Failure> {
     changed("sphere-circle", |scene| {
         scene.compression.kc = kc;
@@ -303,7 +303,7 @@ fn at_rate(hz: f64) -> Reading {
     }
 }
 
-/// The same from a real finger.
+/// Adds the figures of a recording by a real finger.
 fn recording(findings: &mut Findings) -> Result<(), Failure> {
     let Some(trial) = trial() else {
         let words = "skipped: no recordings, so no figures from them";

@@ -29,7 +29,7 @@ struct Case<'a> {
     iterations: Option<u32>,
     /// Frames made; they are gone through again and again.
     frames: usize,
-    /// Whether modules are worked on by all cores.
+    /// True if all cores work on modules.
     parallel: bool,
 }
 

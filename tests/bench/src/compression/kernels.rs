@@ -17,17 +17,17 @@ use crate::timing::Race;
 
 /// Points and clusters of every case.
 const CASES: [(usize, usize); 5] = [(12, 4), (16, 8), (125, 4), (240, 8), (2000, 16)];
-/// What an error is.
+/// Kind of the error.
 const ERROR: &str = "inertia over the best of 32 starts, less 1";
 const SAMPLES: usize = 400;
 const BUDGET: Duration = Duration::from_millis(1500);
 
-/// How far a frame's centroids are found.
+/// Methods that find a frame's centroids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
     /// From the last frame's centroids, at most so many iterations.
     Warm(u32),
-    /// As textbooks write it, from the last frame's centroids.
+    /// K-means of the textbooks, from the last frame's centroids.
     Textbook,
 }
 

@@ -15,9 +15,9 @@ use crate::plot::{Axis, Mark, Plot, Series};
 
 /// Bars of a histogram, as in figure 4.7.
 const BARS: usize = 24;
-/// Where the intensity levels stand, below the bars.
+/// Height of the intensity levels' marks, below the bars.
 const RUG: f64 = 0.5;
-/// Of so many frames one is drawn over time.
+/// Number of frames of which one is drawn over time.
 const DRAWN: usize = 4;
 
 /// A run that keeps every taxel's readings.
@@ -47,7 +47,8 @@ fn seconds(t_us: u64) -> f64 {
     t_us as f64 * 1e-6
 }
 
-/// What every frame read: time, and each taxel's distance from its reference, strongest first, with those in contact.
+/// Readings of every frame: time, and each taxel's distance from its reference, strongest first, with those in
+/// contact.
 struct Frames<'a> {
     readings: &'a Readings,
     in_contact: BTreeMap<u64, usize>,

@@ -1,4 +1,4 @@
-//! How far off a felt path may be: what a law is allowed of its own, and what the contact path it is given is off already.
+//! Bound of a felt path's error: the error that a law is allowed, and that of the contact path that it is given.
 
 use palpate_core::illusion::Map;
 use palpate_core::units::Point;
@@ -16,7 +16,7 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// Of a run that is `felt_mm` off, by a law that may be `law_mm` off; `None` where no path is known.
+    /// Bound of a run that is `felt_mm` off, by a law that may be `law_mm` off; `None` where no path is known.
     pub(super) fn of(trace: &Trace, map: &Map, felt_mm: f64, law_mm: Option<f64>) -> Option<Self> {
         let path_mm = path_mm(trace, map)?;
         let most_mm = law_mm.map(|law| law.hypot(path_mm));
@@ -27,12 +27,12 @@ impl Bound {
         })
     }
 
-    /// Whether the error is within the bound, where there is one.
+    /// Returns true if the error is within the bound, where there is one.
     pub(super) fn is_met(&self) -> Option<bool> {
         self.most_mm.map(|most| self.felt_mm <= most)
     }
 
-    /// How much of the bound is used up, or of the path's error where there is none.
+    /// Share of the bound that is used up, or of the path's error where there is no bound.
     fn used(&self) -> f64 {
         let used = self.felt_mm / self.most_mm.unwrap_or(self.path_mm);
         if used.is_nan() { f64::INFINITY } else { used }

@@ -1,4 +1,4 @@
-//! How much stronger the renderer's patterns feel than seven equal pulses of the same mean power, in the loop: a contact
+//! Gain of the renderer's patterns over seven equal pulses of the same mean power, as felt in the loop: a contact
 //! rests on a wire, and everything is measured once it has settled.
 
 use std::fmt::Write;
@@ -15,7 +15,8 @@ use crate::findings::Findings;
 
 /// A run, s.
 const LENGTH_S: f64 = 60.0;
-/// What is measured, microseconds: whole numbers of onsets of either cadence, when a contact has rested for long.
+/// Start of the measurement, microseconds: a whole number of onsets of either cadence, when a contact has rested for
+/// long.
 const FROM_US: u64 = 340 * 117_000;
 const UNTIL_US: u64 = 511 * 117_000;
 /// The widest pulse of the seven, ticks, that is tried.

@@ -79,7 +79,7 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
 struct Trial {
     target: (f64, f64),
     inside: bool,
-    /// Where it pulls by the energy centroid.
+    /// Place that it is felt at by the energy centroid.
     at: (f64, f64),
     felt: bool,
 }

@@ -66,12 +66,12 @@ pub(super) const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
 const PROBE_UM: f64 = 1e-6;
 const NUMB_UM: f64 = 1e6;
 
-/// What is run.
+/// Case that is run.
 #[derive(Clone, Copy)]
 pub(super) struct Case {
     pub(super) law: IllusionModel,
     pub(super) drive: Drive,
-    /// Which of its wires.
+    /// Kind of the wires.
     pub(super) wires: &'static str,
     pub(super) scene: &'static str,
 }
@@ -155,7 +155,7 @@ pub(super) fn met((event, flutter_mdb): &Onset, person: &Person) -> Event {
     event
 }
 
-/// What a person makes of a run: errors by both centroids, level, breaks, jumps. Over seeds, the worst of each.
+/// Judgement of a run by a person: errors by both centroids, level, breaks, jumps. Over seeds, the worst of each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Score {
     /// Root mean square, energy and amplitude centroid, mm.
@@ -207,7 +207,7 @@ impl Score {
     }
 }
 
-/// What a case came to, the worst of its seeds.
+/// Results of a case, the worst of its seeds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
     /// By each of [`PERSONS`].
@@ -216,7 +216,7 @@ struct Figures {
     wire_c: f64,
     limited: u32,
     energy_mj: f64,
-    /// Of the four paths: how far off the typical person may feel them.
+    /// Bound on the error that the typical person may feel; only for the four paths.
     bound: Option<Bound>,
 }
 

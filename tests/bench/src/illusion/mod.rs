@@ -29,7 +29,7 @@ const MANY: usize = 128;
 /// Contacts of a sample.
 const TARGETS: u8 = 255;
 
-/// What a law came to over the four paths on one array.
+/// Results of a law over the four paths on one array.
 #[derive(Clone, Copy, Debug, Default)]
 struct Total {
     /// Mean square of the felt error, by energy and by amplitude centroid, mm2, and onsets.
@@ -135,7 +135,7 @@ fn paths(display: &Display) -> Result<Vec<Vec<Point>>, Failure> {
     PATHS.iter().map(|scene| path_on(scene, display)).collect()
 }
 
-/// What a law comes to over the paths.
+/// Computes the results of a law over the paths.
 fn total(
     display: &Display,
     settings: &ModelSettings,
@@ -151,7 +151,7 @@ fn total(
     Ok(total)
 }
 
-/// What is read off a law's total.
+/// Figure that is read off a law's total.
 type Value = fn(&Total) -> Error;
 
 fn on_array(
@@ -183,7 +183,7 @@ fn on_array(
     Ok(())
 }
 
-/// What one contact at an onset costs by every law: at most 0.3 us for eight wires, 5 us for 128.
+/// Costs of one contact at an onset by every law: at most 0.3 us for eight wires, 5 us for 128.
 fn costs(found: &mut Findings, case: &str, display: &Display) -> Result<(), Failure> {
     let bounds = display.bounds();
     let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);

@@ -22,7 +22,8 @@ const SETTLED: u64 = 680;
 const HEARD: u64 = 17;
 /// Bursts whose median level counts.
 const COUNTED: usize = 9;
-/// What lasts as long is a vibration; what is over then leaves the pause after which a burst is a new one, s.
+/// Lengths of patterns, s: one that lasts as long is a vibration, and one that is over then leaves the pause after
+/// which a burst is a new one.
 const LASTS_S: (f64, f64) = (0.0303, 0.0371);
 /// Spacings that are tried between these.
 const SPACINGS: u32 = 4;
@@ -63,7 +64,7 @@ impl Burst {
         self.parts.iter().all(|part| *part == self.parts[0])
     }
 
-    /// Whether no pulse has more than half of the energy.
+    /// Returns true if no pulse has more than half of the energy.
     fn is_halved(&self) -> bool {
         let all: usize = self.parts.iter().sum();
         self.parts.iter().all(|part| 2 * part <= all)

@@ -5,10 +5,10 @@ use palpate_emulators::display::wire::Wire;
 use super::peers::{self, Dop853, Kind};
 use super::train::{Case, Nodes, START_C};
 
-/// How a case is computed.
+/// Methods that compute a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// What the program uses: exact from edge to edge.
+    /// The program's method: exact from edge to edge.
     Default,
     /// ode_solvers, DOP853, at this relative tolerance.
     Dop853(f64),
@@ -17,7 +17,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Its name without tolerance: points of one name make a line in a diagram.
+    /// Name of the method without tolerance: points of one name make a line in a diagram.
     pub const fn family(&self) -> &'static str {
         match self {
             Self::Default => "default",
@@ -27,7 +27,7 @@ impl Method {
         }
     }
 
-    /// Its name in the table.
+    /// Name of the method in the table.
     pub fn name(&self) -> String {
         match self {
             Self::Default => "default".into(),

@@ -29,7 +29,7 @@ use super::train::{Case, Nodes, START_C};
 #[derive(Clone)]
 pub struct Balance {
     network: ThermalNetwork,
-    /// The same with everything around it at zero: what is left of the balance in its derivative.
+    /// The network with everything around it at zero: the part of the balance that is left in its derivative.
     still: ThermalNetwork,
     wire: WireParameters,
     /// Heat into the wire, W.
@@ -55,7 +55,7 @@ impl Balance {
         })
     }
 
-    /// What all of the latent heat counts for, K.
+    /// Temperature that all of the latent heat counts for, K.
     fn latent(&self) -> f64 {
         self.wire.latent_heat / self.wire.specific_heat
     }
@@ -225,7 +225,7 @@ where
     }
 }
 
-/// Which of diffsol's methods.
+/// Methods of diffsol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Backward differentiation of variable order, dense LU.

@@ -120,7 +120,7 @@ struct Point {
     median_us: f64,
 }
 
-/// How much faster the default is than each of diffsol's methods at equal error, or where that is most accurate.
+/// Speed of the default over each of diffsol's methods at equal error, or where that is most accurate.
 fn compare(case: &str, points: &[Point]) -> Vec<String> {
     let Some(ours) = points.iter().find(|p| p.method == Method::Default) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! What eight wires and their finger cost per simulated second; the error is what the energy ledger misses.
+//! Cost of eight wires and their finger per simulated second; the error is the energy that the ledger misses.
 
 use std::time::Duration;
 
@@ -106,7 +106,7 @@ impl Load {
     }
 }
 
-/// What the ledger of a wire misses, relative to what it got.
+/// Energy that the ledger of a wire misses, relative to the energy that the wire got.
 fn missing(wire: &mut Wire) -> f64 {
     let e = wire.energy(ms(1000 * SECONDS));
     let gone = e.air_j + e.ends_j + e.body_j;

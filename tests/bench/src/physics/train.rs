@@ -1,4 +1,4 @@
-//! What is computed: a wire on a finger, and the edges of the power that heats it.
+//! Cases that are computed: a wire on a finger, and the edges of the power that heats it.
 
 use palpate_core::physics::{Alloy, Mechanics, ParameterError, TissueParameters, WireParameters};
 use palpate_core::units::Prescale;
@@ -67,7 +67,7 @@ impl Bursts {
 /// A case that all methods compute.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its name in the table.
+    /// Name of the case in the table.
     pub name: &'static str,
     /// The wire.
     pub wire: WireParameters,
@@ -75,7 +75,7 @@ pub struct Case {
     pub skin: TissueParameters,
     /// Times at which the electrical power changes, and what it is from then on, W.
     pub edges: Vec<(Nanos, f64)>,
-    /// How long it is.
+    /// End of the case.
     pub end: Nanos,
 }
 

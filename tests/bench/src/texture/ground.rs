@@ -1,4 +1,5 @@
-//! What the encoder is measured on: the model that ships, and emulated strokes that its training never saw.
+//! Ground for the measurements of the encoder: the model that ships, and emulated strokes that its training never
+//! saw.
 
 use palpate_core::texture::Encoder;
 use palpate_files::{TextureModel, load_textures};
@@ -8,7 +9,7 @@ use palpate_texture::explore;
 
 /// Strokes over each texture, one after another as one recording.
 const STROKES: u32 = 3;
-/// Of the strokes; the model was trained on those of seed 1.
+/// Seed of the strokes; the model was trained on those of seed 1.
 const SEED: u64 = 2;
 /// Samples from one window of a stroke to the next: the first holds the impact, the others do not.
 const APART: usize = 37;
@@ -58,7 +59,7 @@ impl Ground {
         })
     }
 
-    /// How far latents are off, over all windows.
+    /// Largest error of latents, over all windows.
     pub fn off(&self, found: &[Vec<f32>]) -> f64 {
         let pairs = found.iter().zip(&self.expected);
         pairs
@@ -68,7 +69,7 @@ impl Ground {
             .fold(0.0, f64::max)
     }
 
-    /// The same for an encoder, window by window.
+    /// Largest error of an encoder's latents, window by window.
     pub fn off_by(&self, encoder: &Encoder) -> f64 {
         let mut room = encoder.room();
         let found: Vec<Vec<f32>> = self

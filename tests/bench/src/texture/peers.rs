@@ -12,7 +12,7 @@ use crate::python::ask;
 
 /// The script that measures it.
 const SCRIPT: &str = include_str!("../../../../ci/peers/texture.py");
-/// How far it may be from the reference: an export that is further off is wrong.
+/// Largest error against the reference: an export that is further off is wrong.
 const AGREES: f64 = 1e-5;
 
 #[derive(Debug, Deserialize)]
@@ -23,9 +23,9 @@ struct Answer {
     latents: Vec<Vec<f32>>,
 }
 
-/// What ONNX Runtime takes.
+/// Measurements of ONNX Runtime.
 pub(super) struct Peer {
-    /// Its name with its version.
+    /// Name of the peer with its version.
     pub name: String,
     /// One window at a time, microseconds.
     pub window_us: f64,

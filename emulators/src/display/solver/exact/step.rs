@@ -18,7 +18,7 @@ const EVENTS: usize = 100_000;
 /// Growths (e-foldings) computed at once in electrical runaway.
 const RUNAWAY: f64 = 20.0;
 
-/// What ends a step early.
+/// Events that end a step early.
 enum Event {
     /// The wire passed this temperature on this heading.
     Threshold(f64, Heading),
@@ -51,7 +51,7 @@ impl WithSimd for Glance<'_> {
 }
 
 impl Exact {
-    /// What [`Self::run`] comes to, where it has one round in the regime that the wire is in.
+    /// Result of [`Self::run`], where it takes one round in the regime that the wire is in.
     #[inline(always)]
     fn glance_within<S: Simd>(&self, simd: S, span: Nanos) -> Option<[f64; 2]> {
         let (span, t) = (span.as_secs_f64(), self.wire_c());
@@ -216,8 +216,8 @@ impl Exact {
         }
     }
 
-    /// The course of a step with this time integral of its coordinates, which goes to the coordinates `end`, where the
-    /// wire is `wire` K above the body.
+    /// The course of a step that has this time integral of its coordinates and ends at the coordinates `end`, with
+    /// the wire `wire` K above the body.
     #[inline(always)]
     fn course<S: Simd>(
         &self,
@@ -325,17 +325,17 @@ impl Exact {
     }
 }
 
-/// How a step begins.
+/// State at the beginning of a step.
 struct Start {
     wire_c: f64,
     heat: Heat,
-    /// Into the wire at the body's temperature, W.
+    /// Heat into the wire at the body's temperature, W.
     power: f64,
     /// Rate of change of the coordinates, 1/s of theirs.
     rate: [f64; NODES],
     /// Terms of the slope of the wire's temperature, K/s.
     slopes: [f64; NODES],
-    /// How often that slope can change its sign from now on, at most.
+    /// Most often that the slope can still change its sign.
     turns: usize,
 }
 
@@ -355,7 +355,7 @@ impl Start {
     }
 }
 
-/// What a step comes to.
+/// Result of a step.
 struct Course {
     /// Time integrals of the temperatures of wire, outermost shell and tissue at 0.1 mm above the body's, K s.
     wire: f64,
@@ -366,7 +366,7 @@ struct Course {
     deep: [SumPoint; 2],
     /// Hottest the wire was, degrees C.
     hottest: f64,
-    /// At its end.
+    /// Watched temperatures at the end of the step.
     after: Watched,
 }
 
@@ -386,7 +386,7 @@ fn point<S: Simd>(
     }
 }
 
-/// In a plain loop: closures of `from_fn` are compiled without the vectors.
+/// Multiplies in a plain loop: closures of `from_fn` are compiled without the vectors.
 #[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
     let mut out = [0.0; NODES];

@@ -101,7 +101,7 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
     }
 }
 
-/// Why a transfer failed.
+/// The reason for which a transfer failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusError(Option<Outcome>);
 
