@@ -155,13 +155,36 @@ fn the_reference_follows_drift_under_a_touch_too() {
     for ms in (0..120_000).step_by(10) {
         s = at(s, ms, row(ms));
         init.advance(&s, &mut f).unwrap();
-        // A taxel that leaps alone counts from its second frame on.
-        let touched: &[u32] = if ms == 0 { &[] } else { &[5] };
-        assert_eq!(f.contacts(), touched, "at {ms} ms");
+        assert_eq!(f.contacts(), [5], "at {ms} ms");
     }
     let moved = init.reference(0).unwrap()[2] - 37_000.0;
     assert!((moved - 960.0).abs() < 20.0, "{moved}");
     assert!((init.reference(5).unwrap()[2] - 37_960.0).abs() < 20.0);
+}
+
+#[test]
+fn a_lone_leap_has_to_stay_once_one_was_gone_at_once() {
+    let (l, mut init) = ready(BaselineSettings {
+        threshold: ThresholdRule::Fixed { counts: 20.0 },
+        drift: Some(Duration::from_millis(2000)),
+        ..Default::default()
+    });
+    let mut f = init.frame(&l);
+    let mut s = Scan::new(&l);
+    let leaps = [3..9, 20..21, 40..41, 60..66];
+    for k in 0..80 {
+        let leaps = leaps.iter().position(|frames| frames.contains(&k));
+        let pressed = |i: usize| 900 * u16::from(leaps.is_some() && i == 5);
+        let row = |i: usize| [40_000, 16_000, 37_000 + pressed(i)];
+        s = at(s, k * 10, row);
+        init.advance(&s, &mut f).unwrap();
+        let counts = match leaps {
+            Some(2) => false,
+            Some(3) => k > 60,
+            known => known.is_some(),
+        };
+        assert_eq!(f.contacts().len(), usize::from(counts), "frame {k}");
+    }
 }
 
 #[test]

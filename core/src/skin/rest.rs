@@ -65,8 +65,10 @@ struct Together {
     open: bool,
     /// Corrections of its reference so far.
     corrections: u32,
-    /// The only taxel of the newest frame that has come into contact; taken when it stays.
+    /// The only taxel that the newest frame brought into contact, with a leap.
     pending: Option<u32>,
+    /// Whether such a leap was gone with the next frame: from then on one counts when it stays.
+    wary: bool,
     /// Time without untouched taxels, s; negative after a common step.
     unknown_s: f32,
     /// Strength of the touch, counts: the largest, and the last one that differed; time since, s.
@@ -114,6 +116,7 @@ impl Rest {
             open: false,
             corrections: 0,
             pending: None,
+            wary: false,
             unknown_s: 0.0,
             peak: 0.0,
             strength: 0.0,
@@ -221,6 +224,7 @@ impl Rest {
         let of = &mut self.modules[module];
         of.rate = [0.0; 3];
         (of.open, of.pending, of.unknown_s, of.below) = (false, None, 0.0, 0);
+        of.wary = false;
         of.wrong_s = 0.0;
         (of.peak, of.strength, of.still_s, of.corrections) = (0.0, 0.0, 0.0, 0);
         let range = of.range.clone();
@@ -296,9 +300,14 @@ impl Rest {
     fn decide_module(&mut self, m: usize, reference: &Reference, frame: &RelativeFrame) -> bool {
         let contacts = frame.contacts_of(m);
         let of = &mut self.modules[m];
+        let gone = of.pending.filter(|p| !contacts.contains(p));
+        of.wary |= gone.is_some();
         if contacts.is_empty() && !of.open {
             of.pending = None;
             return false;
+        }
+        if let Some(glitch) = gone {
+            self.left[glitch as usize] = 0.0;
         }
         let (magnitude, counts) = (frame.magnitude(), frame.counts());
         let (touched, base) = (&mut self.touched, &self.base);
@@ -311,11 +320,12 @@ impl Rest {
         let mut leaps = contacts.iter().map(|i| *i as usize).filter(sudden);
         let alone = leaps.next().filter(|_| leaps.next().is_none());
         let quiet = |i: usize| magnitude[i] < 0.5 * base[i] || touched[i] || !frame.usable()[i];
-        let waits = alone.filter(|i| {
+        let leaps = alone.filter(|i| {
             let mut others = of.range.clone().filter(|j| j != i);
             of.pending != Some(*i as u32) && others.all(quiet)
         });
-        of.pending = waits.map(|i| i as u32);
+        of.pending = leaps.map(|i| i as u32);
+        let waits = leaps.filter(|_| of.wary);
         if of.open {
             touched[of.range.clone()].fill(false);
         }

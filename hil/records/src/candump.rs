@@ -87,7 +87,10 @@ impl Beside {
             ));
         }
         if self.remarks > 0 {
-            parts.push(format!("{} remarks were passed over", self.remarks));
+            parts.push(match self.remarks {
+                1 => "1 remark was passed over".to_owned(),
+                n => format!("{n} remarks were passed over"),
+            });
         }
         (!parts.is_empty()).then(|| parts.join(", "))
     }

@@ -109,3 +109,19 @@ fn a_run_without_a_stimulus_says_why() {
     let idle = of("idle", &[]);
     assert_eq!(idle.line(), "OK: no stimulus: the scene touches nothing");
 }
+
+/// On one bus the boards of a hand overwrite what waits: a scripted shortage, so a remark.
+#[test]
+fn taxels_that_a_scripted_overload_starves_are_a_remark() {
+    let scene = "allegro-one-bus-overwrite";
+    let found = of(scene, &["length_s=3"]);
+    assert_eq!(found.verdict, Verdict::Ok, "{found:?}");
+    let starved = "taxels never spoke, and no frame was foreign";
+    assert!(found.why.iter().any(|w| w.contains(starved)), "{found:?}");
+    // The same want in a recording is one.
+    let setup = Setup::join(load_scene(scene).unwrap(), load_bench("emulated").unwrap()).unwrap();
+    let mut outcome = run(&setup, &Input::Scene, 1).unwrap();
+    outcome.summary.conclusion = Conclusion::default();
+    let replayed = outcome.concluded(&setup, true).summary.conclusion;
+    assert_eq!(replayed.verdict, Verdict::Incomplete, "{replayed:?}");
+}

@@ -202,8 +202,8 @@ pub struct EncodeArgs {
     /// (default: every window).
     #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
-    /// Rows per second, for --soa-ms and where no column says when rows came; another rate than the model was trained on
-    /// is refused.
+    /// Rows per second, for --soa-ms and where no column says when rows came; another rate than times say or the model was
+    /// trained on is refused.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// The column of times, and its unit: s, ms, us or ns (default: a first column time_us).

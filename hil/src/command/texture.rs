@@ -146,7 +146,7 @@ impl<'a> Windows<'a> {
     /// Looks at a row before it is encoded: when it came, and what the model knows of its values.
     ///
     /// # Errors
-    /// Rows of another rate than the model was trained on, once a window is full.
+    /// Rows of another rate than `--rate` says or the model was trained on, once a window is full.
     fn look(&mut self, time_us: u64) -> Result<(), Failure> {
         let beyond = self.model.with(|model| {
             let ranges = model.scale_min.iter().zip(model.scale_max);
@@ -173,6 +173,12 @@ impl<'a> Windows<'a> {
         steps.sort_unstable();
         let usual = quantile(&steps, 0.5).map_or(0, |middle| middle.above);
         let hz = 1e6 / usual.max(1) as f64;
+        if let Some(said) = self.args.rate.filter(|said| (hz / said - 1.0).abs() > 0.01) {
+            return Err(Failure::Input(format!(
+                "{}: expected rows at {said} Hz, as --rate says, found {hz:.1} Hz in their times (leave out --rate, or correct either)",
+                self.args.file.display()
+            )));
+        }
         match self.model.check_rate(hz) {
             Ok(()) => {}
             Err(_) if self.args.any_rate => self.other_hz = Some(hz),

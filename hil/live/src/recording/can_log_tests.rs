@@ -82,7 +82,7 @@ fn what_a_log_holds_beside_frames_is_said() {
     assert_eq!(
         read.notes,
         [
-            "a.log: 3 frames were lost to the logger, 2 frames of another kind (29-bit, remote, error, CAN FD, CAN XL) were passed over, 1 remarks were passed over"
+            "a.log: 3 frames were lost to the logger, 2 frames of another kind (29-bit, remote, error, CAN FD, CAN XL) were passed over, 1 remark was passed over"
         ]
     );
 }
