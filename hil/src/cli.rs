@@ -207,7 +207,7 @@ pub enum Command {
     ///
     /// Built-in files come first, then those of this folder.
     List(ListArgs),
-    /// Write a commented file with the values that differ from the defaults.
+    /// Write a commented file with values that differ from the defaults.
     #[command(subcommand)]
     New(NewKind),
     /// List all errors of settings files.

@@ -67,7 +67,7 @@ fn a_weak_level_has_less_current_and_no_narrower_pulse() {
     let narrowest = (50e3 / tick_ns).round() as u16;
     let asked = entries.iter().map(|e| e.requested.get()).min();
     assert!(asked >= Some(narrowest), "{asked:?}, {narrowest}");
-    let weaker = entries.iter().filter(|e| e.current < Some(Milliamps(1970)));
+    let weaker = entries.iter().filter(|e| e.current < Some(Milliamps(1200)));
     let weaker = weaker.count();
     assert!(weaker > 0 && weaker < entries.len(), "{weaker}");
 }
@@ -296,8 +296,8 @@ fn hand(displays: &[(&str, &str, u8, u8, std::ops::Range<u8>)], addresses: &str)
         displays.concat()
     )
     .replace(
-        "drive.current_ma = 1970.0",
-        "drive.current_ma = 1970.0\ndrive.supply_limit_ma = 9000.0\ndrive.soa_ms = 125.0",
+        "drive.current_ma = 1200.0",
+        "drive.current_ma = 1200.0\ndrive.supply_limit_ma = 9000.0\ndrive.soa_ms = 125.0",
     );
     let source = Source::new("bench.toml", text);
     let value = Bench::read(&source).unwrap();

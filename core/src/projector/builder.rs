@@ -16,14 +16,15 @@ use crate::units::{Duration, Milliamps, Point, Prescale};
 use super::texture::TexturePlan;
 use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
 
-/// The bench that `hil run` emulates by default, `fixtures/benches/emulated.toml`: thin wires of 8 mm at 1.2 A. Three pulses at this PRE_SCALE are a vibration, and carry what a contact that moves on needs.
+/// The bench that `hil run` emulates by default, `fixtures/benches/emulated.toml`: thin wires of 8 mm at 1.2 A. Three pulses
+/// at this PRE_SCALE are a vibration, and carry the energy that a moving contact needs.
 const THIN_8MM: Plant = Plant {
     prescale: Prescale::new(92),
     wire_milliohm: 4871,
     peak: Milliamps(1200),
     bus: Duration::ZERO,
 };
-/// Its wires on a finger of 33 C, for the guard's rows of heat.
+/// The default bench's wires on a finger of 33 C, for the guard's rows of heat.
 const WORN_THIN: WornWire = WornWire {
     diameter_nm: 50_000,
     length_um: 8_000,

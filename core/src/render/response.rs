@@ -8,20 +8,21 @@ use crate::units::Ticks;
 const HEADROOM: f32 = 1.12;
 
 /// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
-/// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 29 ticks.
+/// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 33 ticks.
 ///
 /// The emulators computed it for wires `passed-50um` at 1.2 A, as they do for each run (`hil/run/src/plan/response.rs`). A
 /// test of `palpate-tests` computes it anew and compares to the bit.
-const THIN_8MM: [(u16, f32); 9] = [
+const THIN_8MM: [(u16, f32); 10] = [
     (0, 0.0),
-    (5, 0.009_411_921),
-    (9, 0.033_772_98),
-    (13, 0.067_365_06),
-    (17, 0.086_258_166),
-    (21, 0.121_669_725),
-    (25, 0.167_524_77),
-    (29, 0.170_522_97),
-    (49, 0.170_522_97),
+    (5, 0.010_059_379),
+    (9, 0.023_997_623),
+    (13, 0.053_638_257),
+    (17, 0.091_468_18),
+    (21, 0.120_461_62),
+    (25, 0.124_096_796),
+    (29, 0.122_980_4),
+    (33, 0.131_388_02),
+    (49, 0.131_388_02),
 ];
 
 /// Amplitudes by width of a pulse, any unit.

@@ -56,15 +56,15 @@ fn displays_that_cannot_be_end_with_status_2() {
     let supply = |text: String| {
         text.replace(
             "[amplifier]",
-            "drive.supply_limit_ma = 3000.0\n\n[amplifier]",
+            "drive.supply_limit_ma = 2000.0\n\n[amplifier]",
         )
     };
     says(
         &run("supply", as_is, supply),
         &[
             "hand.toml:",
-            "drive.supply_limit_ma: expected at least 3940 mA: 2 boards with one wire of 1970 mA each",
-            "found 3000 mA",
+            "drive.supply_limit_ma: expected at least 2400 mA: 2 boards with one wire of 1200 mA each",
+            "found 2000 mA",
         ],
     );
     let idle = |text: String| text.replace("modules = [12, 13, 14]", "modules = [12, 13]");

@@ -187,8 +187,8 @@ fn a_bench_with_converters_sets_currents_and_its_records_say_them() {
         .lines()
         .map(|l| serde_json::from_str::<Value>(l).unwrap());
     let set: Vec<u64> = lines.filter_map(|l| l["current_ma"].as_u64()).collect();
-    assert!(set.iter().all(|ma| (1..=1970).contains(ma)));
-    assert!(set.iter().any(|ma| *ma < 1970) && set.contains(&1970));
+    assert!(set.iter().all(|ma| (1..=1200).contains(ma)));
+    assert!(set.iter().any(|ma| *ma < 1200) && set.contains(&1200));
     let same = hil(&["diff", &path, &path]);
     assert_eq!(same.status, Some(0), "{}", same.err);
     let observed = hil(&[&on_bench[..], &["--observe"]].concat());

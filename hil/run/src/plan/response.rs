@@ -15,10 +15,10 @@ use crate::failure::Failure;
 
 /// Widths that are computed; between two of them the amplitude is taken to be straight.
 const SAMPLES: u16 = 12;
-/// Bursts before the ones that count: wire and tissue have got warm. A loose wire moves up to ten times as far at the same
-/// pulse while its mean temperature still rises and takes up the play, so no table by width alone is right at every burst. Of
-/// those tried no other has fewer jumps (docs/render.md).
-const BEFORE: u64 = 8;
+/// Bursts before the ones that count. The R phase of a wire ends while its mean temperature rises, and the same pulse then
+/// moves it less, so no table by width alone is right at every burst. A contact that moves has a wire for a few bursts: among
+/// those tried one burst before keeps level and place best (docs/render.md).
+const BEFORE: u64 = 1;
 /// Bursts that count.
 const COUNTED: usize = 2;
 
