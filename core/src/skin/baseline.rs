@@ -325,8 +325,7 @@ impl Baseline {
         }
         let ready = self.phase == BaselinePhase::Ready;
         if ready && frame.made && frame.magnitude().len() == self.reference.taxels() {
-            let waits = self.rest.as_ref().is_some_and(Rest::is_pending);
-            if !waits && frame.is_of(scan) {
+            if frame.is_of(scan) && !self.rest.as_mut().is_some_and(Rest::repeat) {
                 return Ok(false);
             }
             self.follow(frame);
