@@ -185,25 +185,29 @@ impl Baseline {
         }
         let (range, began) = (self.range(module), self.begun[module]);
         let drift = STEEPEST * now.since(began).as_secs_f64() as f32;
-        let moved = |i: &usize| {
-            self.active[*i]
-                && !self.faulty[*i]
-                && self.reference.knows(*i)
-                && self.reference.moved(*i, REST_COUNTS + drift)
-        };
-        let restless: Vec<usize> = range.filter(moved).collect();
         self.restless[module] =
             self.restless[module].saturating_add(self.settings.reference_frames);
-        if restless.is_empty() {
+        if !range.clone().any(|i| self.has_moved(i, drift)) {
             self.restless[module] = 0;
             return false;
         }
         if self.restless[module] / self.settings.reference_frames < PATIENCE {
             return true;
         }
-        restless.iter().for_each(|i| self.faulty[*i] = true);
-        restless.iter().for_each(|i| self.usable[*i] = false);
+        for i in range {
+            if self.has_moved(i, drift) {
+                (self.faulty[i], self.usable[i]) = (true, false);
+            }
+        }
         false
+    }
+
+    /// Whether a taxel that counts moved by more than noise and `drift` counts while its reference was collected.
+    fn has_moved(&self, taxel: usize, drift: f32) -> bool {
+        self.active[taxel]
+            && !self.faulty[taxel]
+            && self.reference.knows(taxel)
+            && self.reference.moved(taxel, REST_COUNTS + drift)
     }
 
     /// Sets every taxel's threshold by its noise.
@@ -211,10 +215,7 @@ impl Baseline {
         let ThresholdRule::PerTaxel { sigmas, floor } = self.settings.threshold else {
             return;
         };
-        let noise = self.reference.noise();
-        for (threshold, noise) in self.thresholds.iter_mut().zip(noise) {
-            *threshold = floor + sigmas * noise;
-        }
+        self.reference.weigh(floor, sigmas, &mut self.thresholds);
         if let Some(rest) = &mut self.rest {
             rest.set(0..self.thresholds.len(), &self.thresholds);
         }
@@ -325,8 +326,7 @@ impl Baseline {
         }
         let ready = self.phase == BaselinePhase::Ready;
         if ready && frame.made && frame.magnitude().len() == self.reference.taxels() {
-            let waits = self.rest.as_ref().is_some_and(Rest::is_pending);
-            if !waits && frame.is_of(scan) {
+            if frame.is_of(scan) && !self.rest.as_mut().is_some_and(Rest::repeat) {
                 return Ok(false);
             }
             self.follow(frame);

@@ -17,6 +17,7 @@ mod rest;
 mod scan;
 mod sense;
 mod source;
+mod together;
 pub mod uskin;
 
 pub use baseline::{Baseline, BaselineError, BaselinePhase, BaselineSettings, ThresholdRule};

@@ -42,6 +42,7 @@ pub(super) struct Reference {
     halves: Vec<Half>,
     /// Squared steps from one distinct reading to the next over all chosen axes, and their number.
     steps: Vec<(u64, u32)>,
+    sorted: Vec<f32>,
 }
 
 impl Reference {
@@ -57,6 +58,7 @@ impl Reference {
             last: alloc::vec![[0; 3]; taxels],
             halves: alloc::vec![Half::default(); taxels],
             steps: alloc::vec![(0, 0); taxels],
+            sorted: Vec::with_capacity(taxels),
         }
     }
 
@@ -161,17 +163,20 @@ impl Reference {
         self.seen[taxel] > 0
     }
 
-    /// Noise of every taxel at rest, counts (Euclidean over the chosen axes), robust: a taxel that never changed
-    /// counts as the median one, and none as more than four times that.
-    pub(super) fn noise(&self) -> Vec<f32> {
+    /// Sets thresholds by the noise of every taxel at rest, counts (Euclidean over the chosen axes): `floor` and so many
+    /// deviations. Robust: a taxel that never changed counts as the median one, and none as more than four times that.
+    pub(super) fn weigh(&mut self, floor: f32, sigmas: f32, thresholds: &mut [f32]) {
         let own = |&(square, n): &(u64, u32)| {
             (n > 0).then(|| libm::sqrt(0.5 * square as f64 / f64::from(n)) as f32)
         };
-        let mut sorted: Vec<f32> = self.steps.iter().filter_map(own).collect();
-        sorted.sort_unstable_by(f32::total_cmp);
-        let median = quantile(&sorted, 0.5).map_or(0.0, |middle| middle.above);
-        let robust = |s| own(s).unwrap_or(median).min(NOISIEST * median);
-        self.steps.iter().map(robust).collect()
+        self.sorted.clear(); // its capacity is all taxels
+        self.sorted.extend(self.steps.iter().filter_map(own));
+        self.sorted.sort_unstable_by(f32::total_cmp);
+        let median = quantile(&self.sorted, 0.5).map_or(0.0, |middle| middle.above);
+        for (threshold, steps) in thresholds.iter_mut().zip(&self.steps) {
+            let noise = own(steps).unwrap_or(median).min(NOISIEST * median);
+            *threshold = floor + sigmas * noise;
+        }
     }
 
     /// The reference of a taxel along an axis, counts.

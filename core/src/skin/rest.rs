@@ -9,6 +9,7 @@ use core::ops::Range;
 
 use super::reference::Reference;
 use super::relative::RelativeFrame;
+use super::together::Together;
 use crate::units::{Duration, Instant};
 
 /// Time between two corrections of the reference, s: the work is a small part of a frame's.
@@ -46,6 +47,8 @@ const WIDEST: f32 = 0.7;
 /// by a hundredth. For so long, s, and the reference is taken anew.
 const CONTRADICTS: f32 = 0.3;
 const WRONG_S: f32 = 0.3;
+/// Least share of a touch's largest value that a taxel beside it feels.
+const SPREADS: f32 = 0.2;
 /// Taxels that a module's median is taken of at most.
 const SAMPLE: usize = 64;
 /// Fewest untouched taxels that speak for a module.
@@ -54,34 +57,6 @@ const SPEAKERS: usize = 3;
 const STILL_S: f32 = 0.3;
 const REMAINDER: f32 = 0.1;
 const STILL: f32 = 0.03;
-
-/// State of one module.
-#[derive(Clone, Debug)]
-struct Together {
-    range: Range<usize>,
-    /// Common drift, counts per second.
-    rate: [f32; 3],
-    /// Whether it is touched.
-    open: bool,
-    /// Corrections of its reference so far.
-    corrections: u32,
-    /// The only taxel that the newest frame brought into contact, with a leap.
-    pending: Option<u32>,
-    /// Whether such a leap was gone with the next frame: from then on one counts when it stays.
-    wary: bool,
-    /// Time without untouched taxels, s; negative after a common step.
-    unknown_s: f32,
-    /// Strength of the touch, counts: the largest, and the last one that differed; time since, s.
-    peak: f32,
-    strength: f32,
-    still_s: f32,
-    /// Whether its board may be another one than before.
-    doubt: bool,
-    /// Corrections in a row in which a taxel was below its reference without a touch.
-    below: u32,
-    /// Time for which the touch and readings below the reference contradicted each other, s.
-    wrong_s: f32,
-}
 
 /// State of every taxel beyond its reference: 26 bytes.
 #[derive(Clone, Debug)]
@@ -110,21 +85,7 @@ pub(super) struct Rest {
 impl Rest {
     pub(super) fn new(starts: &[u32], constant: Duration) -> Self {
         let n = starts.last().map_or(0, |n| *n as usize);
-        let module = |pair: &[u32]| Together {
-            range: pair[0] as usize..pair[1] as usize,
-            rate: [0.0; 3],
-            open: false,
-            corrections: 0,
-            pending: None,
-            wary: false,
-            unknown_s: 0.0,
-            peak: 0.0,
-            strength: 0.0,
-            still_s: 0.0,
-            doubt: false,
-            below: 0,
-            wrong_s: 0.0,
-        };
+        let module = |pair: &[u32]| Together::new(pair[0] as usize..pair[1] as usize);
         Self {
             constant_s: constant.as_secs_f64() as f32 * OWN,
             modules: starts.windows(2).map(module).collect(),
@@ -167,9 +128,14 @@ impl Rest {
         self.corrections
     }
 
-    /// Whether a taxel waits for a second frame, which may repeat the first.
-    pub(super) fn is_pending(&self) -> bool {
-        self.modules.iter().any(|m| m.pending.is_some())
+    /// Takes a frame that repeats the one before: a leap has stayed. Returns whether a taxel waited for that, so that the
+    /// frame is another one now.
+    pub(super) fn repeat(&mut self) -> bool {
+        let waits = self.modules.iter().any(|m| m.waits);
+        if !waits {
+            self.modules.iter_mut().for_each(|m| m.pending = None);
+        }
+        waits
     }
 
     /// Has a module looked at as one that may have another board.
@@ -223,9 +189,8 @@ impl Rest {
     pub(super) fn forget(&mut self, module: usize) {
         let of = &mut self.modules[module];
         of.rate = [0.0; 3];
-        (of.open, of.pending, of.unknown_s, of.below) = (false, None, 0.0, 0);
-        of.wary = false;
-        of.wrong_s = 0.0;
+        (of.open, of.pending, of.wary, of.waits) = (false, None, false, false);
+        (of.unknown_s, of.below, of.wrong_s) = (0.0, 0, 0.0);
         (of.peak, of.strength, of.still_s, of.corrections) = (0.0, 0.0, 0.0, 0);
         let range = of.range.clone();
         self.left[range.clone()].fill(0.0);
@@ -303,7 +268,7 @@ impl Rest {
         let gone = of.pending.filter(|p| !contacts.contains(p));
         of.wary |= gone.is_some();
         if contacts.is_empty() && !of.open {
-            of.pending = None;
+            (of.pending, of.waits) = (None, false);
             return false;
         }
         if let Some(glitch) = gone {
@@ -319,13 +284,17 @@ impl Rest {
         let sudden = |i: &usize| !touched[*i] && magnitude[*i] > 2.0 * base[*i] && pressed(*i);
         let mut leaps = contacts.iter().map(|i| *i as usize).filter(sudden);
         let alone = leaps.next().filter(|_| leaps.next().is_none());
-        let quiet = |i: usize| magnitude[i] < 0.5 * base[i] || touched[i] || !frame.usable()[i];
         let leaps = alone.filter(|i| {
+            let most = SPREADS * magnitude[*i];
+            let quiet = |j: usize| {
+                magnitude[j] < most.max(0.5 * base[j]) || touched[j] || !frame.usable()[j]
+            };
             let mut others = of.range.clone().filter(|j| j != i);
             of.pending != Some(*i as u32) && others.all(quiet)
         });
         of.pending = leaps.map(|i| i as u32);
-        let waits = leaps.filter(|_| of.wary);
+        let waits = leaps.filter(|_| of.wary || of.open);
+        of.waits = waits.is_some();
         if of.open {
             touched[of.range.clone()].fill(false);
         }
