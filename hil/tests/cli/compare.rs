@@ -75,7 +75,7 @@ fn two_summaries_differ_figure_by_figure() {
             "a.json",
             "b.json",
             "--tolerance-percent",
-            "100",
+            "500",
             "--quiet",
         ],
     );
