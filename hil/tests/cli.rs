@@ -35,6 +35,8 @@ mod project;
 mod pulse;
 #[path = "cli/readers.rs"]
 mod readers;
+#[path = "cli/recipes.rs"]
+mod recipes;
 #[path = "cli/recordings.rs"]
 mod recordings;
 #[path = "cli/records.rs"]

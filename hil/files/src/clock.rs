@@ -1,8 +1,8 @@
 //! When the rows of a table came: which column says so, and what it counts.
 
-use super::columns::{TIMES, Wrong, shown};
 use super::dialect::Row;
 use super::gain::Gain;
+use super::taken::{TIMES, Wrong, numbered, shown};
 use super::times::{TimeColumn, TimeUnit, date_us};
 
 /// When the rows of a table came, and what their values are.
@@ -104,11 +104,14 @@ impl Timing {
     pub(super) fn clock(&self, table: &Beginning<'_>) -> Result<(Clock, Option<String>), Wrong> {
         let names = table.names.unwrap_or_default();
         if let Some(column) = &self.column {
-            let place = names.iter().position(|name| *name == column.name);
+            let place = match table.names {
+                Some(names) => names.iter().position(|name| *name == column.name),
+                None => numbered(&column.name),
+            };
             let place = place.ok_or_else(|| {
                 let found = match table.names {
                     Some(names) => shown(&names.join(", ")),
-                    None => "no heading".into(),
+                    None => "no heading (a column is called by its number, from 1)".into(),
                 };
                 (None, format!("a column {} (--time)", column.name), found)
             })?;

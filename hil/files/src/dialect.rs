@@ -13,6 +13,14 @@ pub(super) struct Dialect {
     decimal_comma: bool,
 }
 
+/// What is known of how a table is written, before it is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Writing {
+    /// The separator, as in [`Dialect`].
+    pub(super) separator: Option<Option<u8>>,
+    pub(super) decimal_comma: Option<bool>,
+}
+
 impl Default for Dialect {
     fn default() -> Self {
         Self {
@@ -25,13 +33,16 @@ impl Default for Dialect {
 impl Dialect {
     /// The dialect in which most fields behind the first line are values, and all lines have as many. The order of the
     /// candidates decides between equals: a comma may be a decimal mark, and blanks may stand around any of them.
-    pub(super) fn of(start: &str) -> Self {
+    pub(super) fn of(start: &str, known: Writing) -> Self {
         let lines: Vec<&str> = whole_lines(start)
             .filter(|line| !is_remark(line))
             .take(LOOKED_AT)
             .collect();
         let mut best = (0.0, Self::default());
-        for separator in [Some(b';'), Some(b'\t'), Some(b','), None] {
+        let all = [Some(b';'), Some(b'\t'), Some(b','), None];
+        let stated = known.separator.as_ref().map(std::slice::from_ref);
+        best.1.separator = known.separator.unwrap_or(best.1.separator);
+        for &separator in stated.unwrap_or(&all) {
             let dialect = Self {
                 separator,
                 decimal_comma: false,
@@ -42,7 +53,9 @@ impl Dialect {
             }
         }
         let mut dialect = best.1;
-        if dialect.separator != Some(b',') {
+        if let Some(stated) = known.decimal_comma {
+            dialect.decimal_comma = stated;
+        } else if dialect.separator != Some(b',') {
             let mut fields = Fields::new(dialect);
             let rows = lines.get(1..).filter(|rows| !rows.is_empty());
             dialect.decimal_comma = rows.unwrap_or(&lines).iter().any(|line| {

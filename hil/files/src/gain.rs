@@ -22,6 +22,17 @@ const NOISE: f64 = 3.0;
 const WITHOUT_NOISE: f64 = 1000.0;
 
 impl Gain {
+    /// Counts are `value * per_unit + at_zero`.
+    pub(super) const fn new(per_unit: f64, at_zero: f64) -> Self {
+        Self { per_unit, at_zero }
+    }
+
+    /// The same for values of an axis that may count the other way.
+    pub(super) fn turned(self, is_opposite: bool) -> Self {
+        let sign = if is_opposite { -1.0 } else { 1.0 };
+        Self::new(self.per_unit * sign, self.at_zero)
+    }
+
     pub(super) fn counts(self, value: f64) -> f64 {
         value * self.per_unit + self.at_zero
     }

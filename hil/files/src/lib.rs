@@ -48,6 +48,8 @@ mod play;
 mod protocol;
 mod quarantine;
 mod reading;
+mod recipe;
+mod recipe_plan;
 mod resolve;
 mod rows;
 mod saved;
@@ -57,11 +59,13 @@ mod setup;
 mod shelf;
 mod source;
 mod stream;
+mod taken;
 mod texture;
 mod texture_model;
 mod times;
 mod touch;
 mod transducer;
+mod turns;
 mod wants;
 mod warmth;
 mod wire;
@@ -95,7 +99,7 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
-    load_protocol, load_scene, load_textures, load_wire,
+    load_protocol, load_recipe, load_scene, load_textures, load_wire,
 };
 pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
@@ -120,13 +124,15 @@ pub use reading::{
     LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,
     read_text,
 };
+pub use recipe::{ColumnOrder, Delimiter, Recipe, RecipeModule, RecipeTime};
+pub use recipe_plan::RecipePlan;
 pub use resolve::{FileKind, resolve, resolve_from};
 pub use rows::{Input, RowAt, Rows};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{Finger, Setup, Stroked, sensor_of};
+pub use setup::{Finger, Setup, Stroked, plan_of, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;

@@ -10,6 +10,9 @@ pub trait Number: Sized {
 
     /// The number that a value comes to.
     fn of_value(value: f64) -> Option<Self>;
+
+    /// The number on an axis that counts the other way.
+    fn opposite(self) -> Self;
 }
 
 impl Number for u16 {
@@ -34,6 +37,10 @@ impl Number for u16 {
         let count = libm::round(value);
         (0.0..=65_535.0).contains(&count).then_some(count as Self)
     }
+
+    fn opposite(self) -> Self {
+        Self::MAX - self
+    }
 }
 
 impl Number for f32 {
@@ -45,5 +52,9 @@ impl Number for f32 {
 
     fn of_value(value: f64) -> Option<Self> {
         Some(value as Self).filter(|v| v.is_finite())
+    }
+
+    fn opposite(self) -> Self {
+        -self
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::arrays;
 use super::clock::{Beginning, Clock, Timing};
-use super::columns::{MOST_BEFORE, Take, Taken, Wrong, shown};
+use super::columns::{MOST_BEFORE, Take};
 use super::dialect::{Dialect, Fields, Row, is_remark, is_value};
 use super::error::FileError;
 use super::format::Format;
@@ -16,7 +16,9 @@ use super::messages;
 use super::number::Number;
 use super::objects;
 use super::reading::{LONGEST_LINE, Lines, MOST_VALUES, Text, format_of, open};
+use super::taken::{Taken, Wrong, shown};
 use super::times::{OutOfTime, TimeUnit, Times};
+use super::turns::{Frame, Parts};
 
 /// What a table is read from.
 pub type Input = Box<dyn Read + Send>;
@@ -40,7 +42,8 @@ pub struct Rows<R> {
     count: usize,
     /// How columns and times were found, where the file does not say it as ours do.
     notes: Vec<String>,
-    gain: Option<Gain>,
+    /// Sensors whose rows take turns.
+    parts: Option<Parts>,
 }
 
 /// Where and when a row stands.
@@ -167,7 +170,7 @@ impl<R: Read> Rows<R> {
             return Err(FileError::whole(&label, "a recording (CSV)", format.noun()));
         }
         let start = lines.start()?.to_owned();
-        let dialect = Dialect::of(&start);
+        let dialect = Dialect::of(&start, take.writing());
         let mut fields = Fields::new(dialect);
         let head = head(&mut lines, &mut fields)?;
         let at = |(key, expected, found): Wrong| FileError {
@@ -200,7 +203,7 @@ impl<R: Read> Rows<R> {
         let clock = timing.map_or(Ok((Clock::None, None)), |t| t.clock(&table));
         let (clock, clock_note) = clock.map_err(at)?;
         let first = names.as_deref().unwrap_or(&bare);
-        let (taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
+        let (mut taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
         if matches!((&clock, timing), (Clock::None, Some(_))) {
             let expected = "a first column time_us, or a rate (--rate HZ), or --time COLUMN:UNIT";
             return Err(at((None, expected.into(), "neither".into())));
@@ -211,6 +214,10 @@ impl<R: Read> Rows<R> {
             Gain::needless(&rows, &places)
                 .map_err(|(expected, found)| at((None, expected, found)))?;
         }
+        if gain.is_some() {
+            taken.iter_mut().for_each(|column| column.gain = gain);
+        }
+        let parts = take.turns(first, has_heading).map_err(at)?.map(Parts::of);
         let notes = [order_note, clock_note].into_iter().flatten();
         let is_plain = matches!(&clock, Clock::Column(_, column) if column.unit == TimeUnit::Us);
         Ok(Self {
@@ -223,69 +230,88 @@ impl<R: Read> Rows<R> {
             pending: head.is_row.then(|| (head.line, head.first.clone())),
             fields: Fields::new(dialect),
             count: 0,
-            gain,
+            parts,
             label,
             lines,
         })
     }
 
-    /// The next row: its values in place of those in `values`; none at the end.
+    /// The next row: its values in place of those in `values`; none at the end. Where sensors take turns, a row is made of
+    /// one of each.
     ///
     /// # Errors
     /// The first line that is no row, with its column; a table without a row.
     pub fn advance<V: Number>(&mut self, values: &mut Vec<V>) -> Result<Option<RowAt>, FileError> {
-        values.clear();
-        let pending = self.pending.take();
-        let (line, text) = match &pending {
-            Some((line, text)) => (*line, text.as_str()),
-            None => match self.lines.next_row()? {
-                Some(row) => row,
-                None if self.count == 0 => {
-                    let found = "a header alone";
-                    let label = self.lines.label();
-                    return Err(FileError::whole(label, "at least one row", found));
-                }
-                None => {
-                    self.look_at_times(true)?;
-                    return Ok(None);
-                }
-            },
-        };
-        let row = self.fields.split(text);
-        let read = read_row(row, (self.width, self.gain), &self.taken, values);
-        let time = read.and_then(|()| match &self.clock {
-            Clock::None => Ok(None),
-            // Frame numbers are far below 2^53, so the product is exact enough to round.
-            Clock::Rate(rate) => Ok(Some(libm::round(self.count as f64 * 1e6 / rate) as u64)),
-            clock => clock.micros(row, self.stated).map(Some),
-        });
-        let wrong = |(key, expected, found): Wrong| FileError {
-            path: self.label.clone(),
-            line: Some(line),
-            key,
-            expected,
-            found,
-        };
-        let mut time_us = match time {
-            Ok(time) => time.unwrap_or(0),
-            Err(e) => return Err(wrong(e)),
-        };
-        if let Some((place, unit)) = self.clock.counted() {
-            let is_coarse = self.stated && unit != TimeUnit::Us;
-            let at = (self.label.as_str(), line);
-            time_us = match self.times.next_row(at, time_us, is_coarse) {
-                Ok(time_us) => time_us,
-                Err(OutOfTime { expected, found }) => {
-                    let found = found.unwrap_or_else(|| shown(row.get(place)));
-                    return Err(wrong((Some(self.clock.key()), expected, found)));
+        let mut frame = Frame::of(self.parts.as_ref());
+        loop {
+            values.clear();
+            let pending = self.pending.take();
+            let (line, text) = match &pending {
+                Some((line, text)) => (*line, text.as_str()),
+                None => match self.lines.next_row()? {
+                    Some(row) => row,
+                    None => return self.ended(frame.begun()),
+                },
+            };
+            let row = self.fields.split(text);
+            let wrong = |(key, expected, found): Wrong| FileError {
+                path: self.label.clone(),
+                line: Some(line),
+                key,
+                expected,
+                found,
+            };
+            let columns = match &mut self.parts {
+                None => Some(0..self.taken.len()),
+                Some(parts) => parts.columns(row),
+            };
+            let Some(columns) = columns else { continue };
+            read_row(row, self.width, &self.taken[columns], values).map_err(wrong)?;
+            if let Some(parts) = &mut self.parts
+                && !frame.add(parts, values)
+            {
+                continue;
+            }
+            let time_us = match &self.clock {
+                Clock::None => 0,
+                // Frame numbers are far below 2^53, so the product is exact enough to round.
+                Clock::Rate(rate) => libm::round(self.count as f64 * 1e6 / rate) as u64,
+                clock => {
+                    let us = clock.micros(row, self.stated).map_err(wrong)?;
+                    let is_coarse = self.stated
+                        && clock
+                            .counted()
+                            .is_some_and(|(_, unit)| unit != TimeUnit::Us);
+                    let next = self.times.next_row((&self.label, line), us, is_coarse);
+                    next.map_err(|OutOfTime { expected, found }| {
+                        let place = clock.counted().map_or(0, |(place, _)| place);
+                        let found = found.unwrap_or_else(|| shown(row.get(place)));
+                        wrong((Some(clock.key()), expected, found))
+                    })?
                 }
             };
+            self.count += 1;
+            if !self.stated {
+                self.look_at_times(false)?;
+            }
+            return Ok(Some(RowAt { line, time_us }));
         }
-        self.count += 1;
-        if !self.stated {
-            self.look_at_times(false)?;
+    }
+
+    /// The end of the table.
+    fn ended(&mut self, is_cut: bool) -> Result<Option<RowAt>, FileError> {
+        if self.count == 0 {
+            let (expected, found) = match &self.parts {
+                Some(parts) => (parts.expected(), parts.found()),
+                None => ("at least one row".to_owned(), "a header alone".to_owned()),
+            };
+            return Err(FileError::whole(self.lines.label(), expected, found));
         }
-        Ok(Some(RowAt { line, time_us }))
+        if let Some(parts) = &mut self.parts {
+            parts.is_cut |= is_cut;
+        }
+        self.look_at_times(true)?;
+        Ok(None)
     }
 
     /// All further rows, their values one after another.
@@ -354,6 +380,11 @@ impl<R: Read> Rows<R> {
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.times.take_notes());
         notes.extend(self.lines.note());
+        let said = self.parts.as_mut().map(Parts::notes).unwrap_or_default();
+        notes.extend(
+            said.into_iter()
+                .map(|note| format!("{}: {note}", self.label)),
+        );
         notes
     }
 }
@@ -374,14 +405,14 @@ fn beginning(start: &str, dialect: Dialect, has_heading: bool) -> Vec<Vec<String
 /// The values of a row.
 fn read_row<V: Number>(
     row: Row<'_>,
-    (width, gain): (usize, Option<Gain>),
+    width: usize,
     taken: &[Taken],
     values: &mut Vec<V>,
 ) -> Result<(), Wrong> {
     for taken in taken {
         // A row that is too short is told of as such.
         if taken.place < row.count() {
-            values.push(number(row.get(taken.place), taken, gain)?);
+            values.push(number(row.get(taken.place), taken)?);
         }
     }
     if !row.has_width(width) {
@@ -391,20 +422,20 @@ fn read_row<V: Number>(
     Ok(())
 }
 
-fn number<V: Number>(field: &str, taken: &Taken, gain: Option<Gain>) -> Result<V, Wrong> {
-    let read = match gain {
+fn number<V: Number>(field: &str, taken: &Taken) -> Result<V, Wrong> {
+    let read = match taken.gain {
         None => V::read(field),
         Some(gain) => field.parse().ok().and_then(|v| V::of_value(gain.counts(v))),
     };
-    read.ok_or_else(|| {
-        let name = match taken.name.as_str() {
-            "" => String::new(),
-            name => format!(" ({name})"),
-        };
-        let key = format!("column {}{name}", taken.place + 1);
-        let expected = gain.map_or_else(|| V::EXPECTED.to_owned(), |gain| gain.range());
-        (Some(key), expected, shown(field))
-    })
+    match read {
+        Some(number) if taken.is_opposite => Ok(number.opposite()),
+        Some(number) => Ok(number),
+        None => {
+            let gain = taken.gain.map(Gain::range);
+            let expected = gain.unwrap_or_else(|| V::EXPECTED.to_owned());
+            Err((Some(taken.key()), expected, shown(field)))
+        }
+    }
 }
 
 #[cfg(test)]

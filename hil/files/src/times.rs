@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use palpate_core::statistics::quantile;
+use serde::Deserialize;
 
 use super::pace::SAME;
 
@@ -23,7 +24,9 @@ const STRAY_US: u64 = 2_000_000;
 const STRAY_STEPS: u64 = 100;
 
 /// What a column of times counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum TimeUnit {
     /// Seconds.
     S,

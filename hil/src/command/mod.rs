@@ -21,6 +21,7 @@ mod pulse;
 mod pulse_plan;
 mod rate;
 mod record;
+mod recorded;
 mod report;
 mod review;
 mod run;
