@@ -20,6 +20,11 @@ impl Number for u16 {
 
     /// Also written as `49202.0`.
     fn read(field: &str) -> Option<Self> {
+        let digits = field.as_bytes();
+        let digits = digits.strip_suffix(b".0").unwrap_or(digits);
+        if let Some(count) = plain(digits) {
+            return Some(count);
+        }
         let whole = match field.split_once('.') {
             Some((whole, rest)) if rest.bytes().all(|digit| digit == b'0') => whole,
             _ => field,
@@ -57,4 +62,20 @@ impl Number for f32 {
     fn opposite(self) -> Self {
         -self
     }
+}
+
+/// A count of one to five digits and nothing else, as most fields are.
+fn plain(digits: &[u8]) -> Option<u16> {
+    if !(1..=5).contains(&digits.len()) {
+        return None;
+    }
+    let mut count = 0_u32;
+    for digit in digits {
+        let value = digit.wrapping_sub(b'0');
+        if value > 9 {
+            return None;
+        }
+        count = count * 10 + u32::from(value);
+    }
+    u16::try_from(count).ok()
 }

@@ -22,6 +22,7 @@ use palpate_live::recording::Reading;
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
+use super::ahead::ahead;
 use super::rate::rate_of;
 use super::recorded::Recorded;
 
@@ -260,19 +261,19 @@ impl<'a> Recording<'a> {
         let mut finder = Finder::new(&self.layout, &self.columns, self.search.clone())?;
         let _shown = Progress::reading(&self.file);
         let take = self.reading.take(&self.columns);
-        let mut rows = Rows::open(&self.file, take, Some(&self.reading.timing))?;
-        let mut row: Vec<u16> = Vec::new();
-        while let Some(at) = rows.advance(&mut row)? {
-            let frame = rows.count() - 1;
-            for &contact in finder.row(at.time_us, &row).map_err(of_file)? {
+        let rows = Rows::open(&self.file, take, Some(&self.reading.timing))?;
+        let mut rows = ahead(rows, &mut |time_us, counts| {
+            let frame = finder.rows();
+            for &contact in finder.row(time_us, counts).map_err(of_file)? {
                 let row = Row {
                     frame,
-                    time_us: at.time_us,
+                    time_us,
                     contact,
                 };
                 each(row).map_err(Failure::written("contacts"))?;
             }
-        }
+            Ok(())
+        })?;
         let needed = args.reference_frames as usize + 1;
         if rows.count() < needed {
             return Err(Failure::Input(format!(

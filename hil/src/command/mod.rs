@@ -1,5 +1,6 @@
 //! One function a command: arguments in, files and text out.
 
+mod ahead;
 mod check;
 mod compare;
 mod contacts;
