@@ -7,6 +7,7 @@ mod files;
 mod hardware;
 mod help;
 mod identify;
+mod import;
 mod meant;
 mod names;
 pub(crate) mod ranges;
@@ -33,6 +34,7 @@ pub use hardware::{
 };
 pub use help::{command, shown};
 pub use identify::{IdentifyArgs, SignalArg};
+pub use import::ImportArgs;
 pub use meant::meant;
 pub use names::{VARIABLE, complete};
 use palpate_files::{Gain, TimeColumn};
@@ -157,6 +159,10 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Find the contacts in each frame of a recording, as CSV.
     Contacts(ContactsArgs),
+    /// Propose a recipe for another maker's recording, and show the skin.
+    ///
+    /// It says what it understood and what it assumed, with the option that changes that.
+    Import(ImportArgs),
     /// Serve emulated boards and displays to other programs.
     ///
     /// Boards stand on CAN interfaces, the display behind a /dev/i2c-N, until stopped.
@@ -293,7 +299,7 @@ pub struct RunArgs {
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
-    /// How the recording is to be read: a recipe (default: the recording itself where it is
+    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: the recording itself where it is
     /// one, or its name with the ending .toml).
     #[arg(long, value_name = "FILE", requires = "replay", conflicts_with_all = ["columns", "gain"])]
     pub recipe: Option<PathBuf>,

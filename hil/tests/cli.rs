@@ -19,6 +19,8 @@ mod fingers;
 mod hardware;
 #[path = "cli/identify.rs"]
 mod identify;
+#[path = "cli/import.rs"]
+mod import;
 #[path = "cli/input.rs"]
 mod input;
 #[path = "cli/interrupt.rs"]

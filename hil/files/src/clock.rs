@@ -59,6 +59,20 @@ impl Clock {
         }
     }
 
+    /// The column of times as a recipe names it, and what it counts; none where there is none.
+    pub(super) fn named(&self, names: Option<&[&str]>) -> Option<(String, TimeUnit)> {
+        let (place, unit) = match self {
+            Self::Column(place, column) => (*place, column.unit),
+            Self::Seconds(place, _) => (*place, TimeUnit::S),
+            Self::Rate(_) | Self::None => return None,
+        };
+        let name = names.and_then(|names| names.get(place));
+        Some((
+            name.map_or_else(|| (place + 1).to_string(), |name| (*name).to_owned()),
+            unit,
+        ))
+    }
+
     /// The column of times as errors name it.
     pub(super) fn key(&self) -> String {
         match self {

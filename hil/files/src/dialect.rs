@@ -9,8 +9,8 @@ const LOOKED_AT: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
     /// One of `,`, `;`, tab; none: blanks.
-    separator: Option<u8>,
-    decimal_comma: bool,
+    pub(super) separator: Option<u8>,
+    pub(super) decimal_comma: bool,
 }
 
 /// What is known of how a table is written, before it is looked at.
@@ -240,7 +240,13 @@ impl<'l> Row<'l> {
     pub(super) fn get(self, place: usize) -> &'l str {
         let span = self.spans.get(place);
         let field = span.and_then(|(begin, end)| self.text.get(*begin..*end));
-        let field = field.unwrap_or_default().trim();
+        let field = field.unwrap_or_default();
+        let is_plain = |byte: Option<&u8>| byte.is_some_and(|b| b.is_ascii_alphanumeric());
+        // Most fields are bare numbers.
+        if is_plain(field.as_bytes().first()) && is_plain(field.as_bytes().last()) {
+            return field;
+        }
+        let field = field.trim();
         // Quotes behind a space are quotes to people alone.
         let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
         quoted.unwrap_or(field)

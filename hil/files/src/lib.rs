@@ -37,6 +37,7 @@ mod mount;
 mod near;
 mod number;
 mod objects;
+mod opening;
 mod order;
 mod overrides;
 mod own_bench;
@@ -45,6 +46,7 @@ mod person;
 mod placeholder;
 mod plain;
 mod play;
+mod proposal;
 mod protocol;
 mod quarantine;
 mod reading;
@@ -113,6 +115,7 @@ pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
 pub use play::PlayEntry;
+pub use proposal::{Assumed, Proposal, propose};
 pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
     Protocol, Question, RatingScale, RatingTask, SimulatedChoices, SimulatedDifferences,

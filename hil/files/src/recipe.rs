@@ -40,9 +40,9 @@ pub enum ColumnOrder {
     /// By the numbers in their names; x, y and z of a taxel side by side.
     #[default]
     Numbers,
-    /// As they stand in the file.
+    /// The order of the file.
     File,
-    /// As they stand in the file: x of all taxels, then y, then z.
+    /// The order of the file: x of all taxels, then y, then z.
     AxesFirst,
 }
 
@@ -55,17 +55,17 @@ pub struct Recipe {
     kind: RecordingTag,
     /// Lower case with hyphens.
     pub name: String,
-    /// What it is, in a sentence.
+    /// A sentence on the recording.
     pub description: String,
-    /// What of it is an assumption.
+    /// Assumptions in it, in a sentence.
     pub assumed: Option<String>,
     /// The recording, from the folder of this file on; left out: any.
     pub recording: Option<String>,
     /// The skin: a built-in layout or a file.
     pub layout: String,
-    /// What stands between the fields; left out: what leaves numbers.
+    /// Separator of fields; left out: the one that leaves numbers.
     pub delimiter: Option<Delimiter>,
-    /// Whether numbers have a comma for a point; left out: as the first rows have it.
+    /// Commas for decimal points; left out: as the first rows have it.
     pub decimal_comma: Option<bool>,
     /// Rows per second, where no column says when they came.
     pub rate_hz: Option<f64>,
@@ -73,7 +73,7 @@ pub struct Recipe {
     pub time: Option<RecipeTime>,
     /// The column whose values name the sensor of a row, where rows of several sensors take turns.
     pub sensor_column: Option<String>,
-    /// What values count, such as `N`; left out: counts.
+    /// Unit of the values, such as `N`; left out: counts.
     pub unit: Option<String>,
     /// Counts per unit; with `unit`.
     pub gain: Option<f64>,
@@ -89,9 +89,9 @@ pub struct Recipe {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RecipeTime {
-    /// Its heading; without a heading its number, from 1.
+    /// Heading; without headings the column's number, from 1.
     pub column: String,
-    /// What it counts.
+    /// Unit of the numbers in it.
     pub unit: TimeUnit,
 }
 
@@ -100,9 +100,9 @@ pub struct RecipeTime {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RecipeModule {
-    /// Its name in the layout.
+    /// Name of the module in the layout.
     pub name: Option<String>,
-    /// What the names of its columns begin with; or `columns` or `first_column`.
+    /// Beginning of the columns' names; or `columns` or `first_column`.
     pub prefix: Option<String>,
     /// The names of its columns in the layout's order; or `prefix` or `first_column`.
     pub columns: Option<Vec<String>>,
@@ -117,10 +117,10 @@ pub struct RecipeModule {
     /// How far the module is turned to the left against its maker's picture: 0, 90, 180 or 270.
     #[serde(default)]
     pub turned_deg: u16,
-    /// Whether left and right are exchanged against its maker's picture, before it is turned.
+    /// Left and right exchanged against the maker's picture, before the turn.
     #[serde(default)]
     pub mirrored: bool,
-    /// Its value in the column `sensor_column`.
+    /// Value that stands in `sensor_column` for this module.
     pub sensor: Option<String>,
     /// Counts per unit; left out: those of the recording.
     pub gain: Option<f64>,
@@ -218,7 +218,7 @@ impl Recipe {
         gain_of(source, key, module.gain, offset.unwrap_or_default())
     }
 
-    /// What makes counts of a module's values; none where they are counts.
+    /// Gain of a module's values; none where they are counts.
     pub(super) fn gain(&self, module: &RecipeModule) -> Option<Gain> {
         let gain = module.gain.or(self.gain)?;
         Some(Gain::new(gain, module.offset.unwrap_or(self.offset)))

@@ -22,7 +22,7 @@ pub struct RecipePlan {
     axes: usize,
 }
 
-/// Where the columns of a module are.
+/// Way to the columns of a module.
 #[derive(Debug, Clone, PartialEq)]
 enum Found {
     Prefix(String),
@@ -34,12 +34,12 @@ enum Found {
 /// A module whose columns are to be found.
 #[derive(Debug, Clone, PartialEq)]
 struct Planned {
-    /// Its table in the recipe.
+    /// Table of the module in the recipe.
     key: String,
     found: Found,
     order: ColumnOrder,
     without: Vec<u64>,
-    /// Of each reading of the layout: the file's own, and whether it counts the other way.
+    /// The file's reading for each of the layout's, and `true` where it counts the other way.
     readings: Vec<(usize, bool)>,
     gain: Option<Gain>,
     sensor: Option<String>,
@@ -255,8 +255,8 @@ impl Planned {
     }
 }
 
-/// Of each reading of a module, which of the maker's it is, and whether it counts the other way. None where a module that
-/// is turned is no grid.
+/// The maker's reading for each of a module's, and `true` where it counts the other way. None where a module that is
+/// turned is no grid.
 fn readings(recipe: &RecipeModule, module: &SkinModule, axes: u8) -> Option<Vec<(usize, bool)>> {
     let axes = usize::from(axes);
     if recipe.turned_deg == 0 && !recipe.mirrored {

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::arrays;
 use super::clock::{Beginning, Clock, Timing};
 use super::columns::{MOST_BEFORE, Take};
-use super::dialect::{Dialect, Fields, Row, is_remark, is_value};
+use super::dialect::{Fields, Row, Writing};
 use super::error::FileError;
 use super::format::Format;
 use super::gain::Gain;
@@ -15,6 +15,7 @@ use super::made::Made;
 use super::messages;
 use super::number::Number;
 use super::objects;
+use super::opening::Opening;
 use super::reading::{LONGEST_LINE, Lines, MOST_VALUES, Text, format_of, open};
 use super::taken::{Taken, Wrong, shown};
 use super::times::{OutOfTime, TimeUnit, Times};
@@ -61,33 +62,55 @@ impl Rows<Input> {
     /// # Errors
     /// A file that cannot be read or holds no table, wrong columns, no times where they are wanted.
     pub fn open(path: &Path, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
-        let label = path.display().to_string();
         let count = take.count().unwrap_or(0);
-        // A million taxels have a header of 40 MB.
-        let longest = count.saturating_mul(40).max(LONGEST_LINE);
         let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
-        let (input, note): (Input, _) = match format_of(path) {
-            Some(Format::Numpy | Format::Npz | Format::Matlab) => {
-                let array = arrays::read(path, count, rest_rows)?;
-                let note = array.note();
-                (Box::new(Made::of(array)), note)
-            }
-            Some(Format::Json) => {
-                let file = open(path, "a readable file")?;
-                let objects = objects::Objects::new(file, &label);
-                (Box::new(Made::of(objects)), None)
-            }
-            Some(Format::Mcap) => {
-                let messages = messages::Messages::open(path)?;
-                let note = messages.note();
-                (Box::new(Made::of(messages)), Some(note))
-            }
-            _ => (Box::new(text(path)?), None),
-        };
-        let mut rows = Self::over(Text::new(label, input, longest), take, timing)?;
+        let (text, note) = table(path, count, rest_rows)?;
+        let mut rows = Self::over(text, take, timing)?;
         rows.notes.extend(note);
         Ok(rows)
     }
+}
+
+/// A file as the text of a table, and what is to be said of it.
+fn table(
+    path: &Path,
+    count: usize,
+    rest_rows: usize,
+) -> Result<(Text<Input>, Option<String>), FileError> {
+    let label = path.display().to_string();
+    // A million taxels have a header of 40 MB.
+    let longest = count.saturating_mul(40).max(LONGEST_LINE);
+    let (input, note): (Input, _) = match format_of(path) {
+        Some(Format::Numpy | Format::Npz | Format::Matlab) => {
+            let array = arrays::read(path, count, rest_rows)?;
+            let note = array.note();
+            (Box::new(Made::of(array)), note)
+        }
+        Some(Format::Json) => {
+            let file = open(path, "a readable file")?;
+            let objects = objects::Objects::new(file, &label);
+            (Box::new(Made::of(objects)), None)
+        }
+        Some(Format::Mcap) => {
+            let messages = messages::Messages::open(path)?;
+            let note = messages.note();
+            (Box::new(Made::of(messages)), Some(note))
+        }
+        _ => (Box::new(text(path)?), None),
+    };
+    Ok((Text::new(label, input, longest), note))
+}
+
+/// The beginning of a file's table, and what is to be said of the file.
+///
+/// # Errors
+/// As [`Rows::open`].
+pub(super) fn opened(path: &Path) -> Result<(Opening, Option<String>), FileError> {
+    let (text, note) = table(path, 0, 0)?;
+    Ok((
+        Opening::of(&mut Lines::over(text), Writing::default())?,
+        note,
+    ))
 }
 
 /// A file of text.
@@ -99,65 +122,6 @@ fn text(path: &Path) -> Result<File, FileError> {
     open(path, "a readable file")
 }
 
-/// What a table begins with: remarks, a heading or none, and the first row.
-struct Head {
-    line: usize,
-    /// The first line that is no remark.
-    first: String,
-    /// The names of the columns; none where there is no heading.
-    names: Option<Vec<String>>,
-    /// Whether the first line is a row.
-    is_row: bool,
-}
-
-/// Finds the heading: the first line, if one of its fields is no value, or the last remark before it, if it has as many
-/// fields and none is a value, as `numpy.savetxt` writes one.
-fn head<R: Read>(lines: &mut Lines<R>, fields: &mut Fields) -> Result<Head, FileError> {
-    let mut remark = String::new();
-    let (line, first) = loop {
-        match lines.advance()? {
-            Some((_, text)) if is_remark(text) => {
-                if !text.trim().is_empty() {
-                    remark = text
-                        .trim()
-                        .trim_start_matches(['#', '%', '/'])
-                        .trim()
-                        .to_owned();
-                }
-            }
-            Some((number, text)) => break (number, text.to_owned()),
-            None => {
-                let found = "an empty file";
-                return Err(FileError::whole(lines.label(), "a header and rows", found));
-            }
-        }
-    };
-    let row = fields.split(&first);
-    let (is_row, width) = (row.iter().all(is_value), row.count());
-    let mut names: Option<Vec<String>> = None;
-    if !is_row {
-        names = Some(row.iter().map(str::to_owned).collect());
-    } else if !remark.is_empty() {
-        let row = fields.split(&remark);
-        if row.count() == width && row.iter().all(|name| !is_value(name)) {
-            names = Some(row.iter().map(str::to_owned).collect());
-        }
-    }
-    // Some programs end each line with a separator.
-    if let Some(names) = &mut names
-        && names.len() > 1
-        && names.last().is_some_and(String::is_empty)
-    {
-        names.pop();
-    }
-    Ok(Head {
-        line,
-        first,
-        names,
-        is_row,
-    })
-}
-
 impl<R: Read> Rows<R> {
     /// A table from any text.
     ///
@@ -166,13 +130,7 @@ impl<R: Read> Rows<R> {
     pub fn over(text: Text<R>, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let mut lines = Lines::over(text);
         let label = lines.label().to_owned();
-        if let Some(format) = lines.format()?.filter(|f| *f != Format::Csv) {
-            return Err(FileError::whole(&label, "a recording (CSV)", format.noun()));
-        }
-        let start = lines.start()?.to_owned();
-        let dialect = Dialect::of(&start, take.writing());
-        let mut fields = Fields::new(dialect);
-        let head = head(&mut lines, &mut fields)?;
+        let head = Opening::of(&mut lines, take.writing())?;
         let at = |(key, expected, found): Wrong| FileError {
             path: label.clone(),
             line: Some(head.line),
@@ -180,21 +138,12 @@ impl<R: Read> Rows<R> {
             expected,
             found,
         };
-        let row = fields.split(&head.first);
-        // One field more, an empty one, where each line ends with a separator.
-        let width =
-            row.count() - usize::from(row.count() > 1 && row.get(row.count() - 1).is_empty());
-        let bare: Vec<&str> = row.iter().take(width).collect();
-        let names: Option<Vec<&str>> = head
-            .names
-            .as_ref()
-            .map(|names| names.iter().map(String::as_str).collect());
+        let (names, width) = (head.headings(), head.width);
         let has_heading = names.is_some();
         let count = take.count().unwrap_or(width);
-        let rows = beginning(&start, dialect, has_heading && !head.is_row);
         let table = Beginning {
             names: names.as_deref(),
-            rows: &rows,
+            rows: &head.rows,
             before: width
                 .checked_sub(count)
                 .filter(|n| *n <= MOST_BEFORE)
@@ -202,6 +151,8 @@ impl<R: Read> Rows<R> {
         };
         let clock = timing.map_or(Ok((Clock::None, None)), |t| t.clock(&table));
         let (clock, clock_note) = clock.map_err(at)?;
+        let bare = head.bare();
+        let bare: Vec<&str> = bare.iter().map(String::as_str).collect();
         let first = names.as_deref().unwrap_or(&bare);
         let (mut taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
         if matches!((&clock, timing), (Clock::None, Some(_))) {
@@ -211,7 +162,7 @@ impl<R: Read> Rows<R> {
         let gain = timing.and_then(|timing| timing.gain);
         if let (Take::Taxels(_), None) = (take, gain) {
             let places: Vec<usize> = taken.iter().map(|t| t.place).collect();
-            Gain::needless(&rows, &places)
+            Gain::needless(&head.rows, &places)
                 .map_err(|(expected, found)| at((None, expected, found)))?;
         }
         if gain.is_some() {
@@ -227,8 +178,8 @@ impl<R: Read> Rows<R> {
             clock,
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
             width: first.len(),
-            pending: head.is_row.then(|| (head.line, head.first.clone())),
-            fields: Fields::new(dialect),
+            pending: head.pending(),
+            fields: Fields::new(head.dialect),
             count: 0,
             parts,
             label,
@@ -387,19 +338,6 @@ impl<R: Read> Rows<R> {
         );
         notes
     }
-}
-
-/// Rows at the beginning of a text.
-fn beginning(start: &str, dialect: Dialect, has_heading: bool) -> Vec<Vec<String>> {
-    let mut fields = Fields::new(dialect);
-    let end = start.rfind('\n').unwrap_or(start.len());
-    let lines = start.get(..end).unwrap_or_default().lines();
-    let rows = lines
-        .filter(|line| !is_remark(line))
-        .skip(usize::from(has_heading))
-        .take(64);
-    rows.map(|line| fields.split(line).iter().map(str::to_owned).collect())
-        .collect()
 }
 
 /// The values of a row.

@@ -9,7 +9,7 @@ pub(super) struct Taken {
     pub(super) name: String,
     /// Makes counts of values in another unit.
     pub(super) gain: Option<Gain>,
-    /// Whether its counts fall where the layout's rise, as an axis of a module does that is mounted the other way.
+    /// `true` where its counts fall when the layout's rise: its module is mounted the other way.
     pub(super) is_opposite: bool,
 }
 

@@ -16,7 +16,7 @@ pub(super) struct Parts {
     passed: usize,
     /// Rows that a later one of their sensor replaced before all had come.
     replaced: usize,
-    /// Whether the table ended before all sensors had come once more.
+    /// `true` where the table ended before all sensors had come once more.
     pub(super) is_cut: bool,
 }
 
@@ -51,7 +51,7 @@ impl Parts {
         None
     }
 
-    /// What was expected of a table without a row of the skin.
+    /// Words for what a table without a row of the skin lacks.
     pub(super) fn expected(&self) -> String {
         let names: Vec<&str> = self
             .turns
@@ -70,7 +70,7 @@ impl Parts {
         format!("none of all, {} rows of others", self.passed)
     }
 
-    /// What is to be said of the rows.
+    /// Notes on the rows.
     pub(super) fn notes(&mut self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.passed > 0 {
@@ -101,7 +101,7 @@ impl<V: Number> Frame<V> {
         }
     }
 
-    /// Whether some sensors have come, and not all.
+    /// Tells whether some sensors have come, and not all.
     pub(super) fn begun(&self) -> bool {
         self.parts.iter().any(Option::is_some)
     }

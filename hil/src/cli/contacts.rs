@@ -26,7 +26,7 @@ pub struct ContactsArgs {
     /// Sensor layout: a built-in name or a file (default: that of the recipe).
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: Option<String>,
-    /// How the recording is to be read: a recipe (default: FILE itself where it is one, or
+    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: FILE itself where it is one, or
     /// FILE with the ending .toml).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["columns", "gain"])]
     pub recipe: Option<PathBuf>,

@@ -187,7 +187,7 @@ impl<'a> Recording<'a> {
         let named = args.layout.clone().or_else(|| recorded.layout());
         let name = named.ok_or_else(|| {
             let expected = "--layout: expected the skin's layout (`hil list layouts` has their names), or a recipe that \
-                            names it, found neither";
+                            names it (`hil import` proposes one), found neither";
             Failure::Input(expected.into())
         })?;
         let loaded = load_layout(&name)?;

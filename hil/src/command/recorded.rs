@@ -13,9 +13,9 @@ use palpate_run::Failure;
 pub(super) struct Recorded {
     /// The recording.
     pub(super) file: PathBuf,
-    /// Its recipe.
+    /// Recipe of the recording.
     recipe: Option<Loaded<Recipe>>,
-    /// Whether the recipe was found beside the recording.
+    /// `true` where the recipe was found beside the recording.
     is_beside: bool,
 }
 
@@ -60,7 +60,7 @@ impl Recorded {
         Ok(recorded)
     }
 
-    /// What is to be said of a recipe that was not named.
+    /// Note on a recipe that was not named.
     pub(super) fn note(&self) -> Option<String> {
         let recipe = self.recipe.as_ref().filter(|_| self.is_beside)?;
         Some(format!(
