@@ -1,11 +1,13 @@
 //! The command line.
 
 mod compare;
+mod contacts;
 mod design;
 mod files;
 mod hardware;
 mod help;
 mod identify;
+mod import;
 mod meant;
 mod names;
 pub(crate) mod ranges;
@@ -21,6 +23,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
+pub use contacts::{ContactsArgs, StaleArg};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
@@ -32,10 +35,9 @@ pub use hardware::{
 };
 pub use help::{command, shown};
 pub use identify::{IdentifyArgs, SignalArg};
+pub use import::ImportArgs;
 pub use meant::meant;
 pub use names::{VARIABLE, complete};
-use palpate_core::contact::{Norm, Scope};
-use palpate_core::skin::Axes;
 use palpate_files::{Gain, TimeColumn};
 pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
@@ -159,6 +161,10 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Find the contacts in each frame of a recording, as CSV.
     Contacts(ContactsArgs),
+    /// Propose a recipe for another maker's recording, and show the skin.
+    ///
+    /// It says what it understood and what it assumed, with the option that changes that.
+    Import(ImportArgs),
     /// Serve emulated boards and displays to other programs.
     ///
     /// Boards stand on CAN interfaces, the display behind a /dev/i2c-N, until stopped.
@@ -243,7 +249,7 @@ pub enum Command {
 }
 
 /// The bench of a command, and the seed.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct Buses {
     /// A built-in bench or a file (default: the bench that the scene wants, or emulated).
     #[arg(short = 'b', long, value_name = "NAME|FILE")]
@@ -280,7 +286,7 @@ pub enum Switch {
 }
 
 /// Options of `hil run`.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(group = ArgGroup::new("readings").args(["replay", "stream"]).multiple(true))]
 pub struct RunArgs {
     /// A built-in scene or a file (default: sphere-along).
@@ -295,6 +301,10 @@ pub struct RunArgs {
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
+    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: the recording itself where it is
+    /// one, or its name with the ending .toml).
+    #[arg(long, value_name = "FILE", requires = "replay", conflicts_with_all = ["columns", "gain"])]
+    pub recipe: Option<PathBuf>,
     /// Readings of the whole skin that another machine sends over TCP, a line each, in place of the scene's touches,
     /// until the scene's length is over.
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "replay")]
@@ -393,90 +403,4 @@ pub struct RunArgs {
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
     #[arg(long, value_name = "NAME|FILE")]
     pub person: Option<String>,
-}
-
-/// Treatments of rows that repeat the one before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum StaleArg {
-    /// Compress them like any other.
-    Keep,
-    /// Leave them out.
-    Skip,
-}
-
-/// Options of `hil contacts`.
-#[derive(Debug, Args)]
-pub struct ContactsArgs {
-    /// Recorded taxels: a table of text, an array, messages (MCAP).
-    pub file: PathBuf,
-    /// Sensor layout: a built-in name or a file.
-    #[arg(long, value_name = "NAME|FILE")]
-    pub layout: String,
-    /// Largest number of contacts K_C per module.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u16, 1, 1024>, allow_hyphen_values = true)]
-    pub kc: u16,
-    /// Static intensity levels K_I, found over the whole recording.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
-    pub ki: u16,
-    /// Number of contact-free rows at the start that make the reference.
-    #[arg(long, value_name = "N", default_value_t = palpate_files::REFERENCE_ROWS, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
-    pub reference_frames: u32,
-    /// Contact threshold: per-taxel (from every taxel's own noise), auto (as published: the largest value of the first row
-    /// after the reference) or raw counts.
-    #[arg(long, default_value = "per-taxel", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
-    pub threshold: Threshold,
-    /// Let the reference follow taxels not in contact, with this time constant (default: 5 with per-taxel thresholds; with
-    /// others it stays as the first rows have it).
-    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
-    pub drift_s: Option<f64>,
-    /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
-    #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
-    pub faulty_deviations: Option<f64>,
-    /// Part of the skin that K_C and K_I count for: each module, or the whole skin.
-    #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
-    pub scope: Scope,
-    /// Exponent p of the weights ||s||^p.
-    #[arg(long, value_name = "P", default_value = "1", value_parser = |t: &str| within(t, (0.0, 16.0), ""), allow_hyphen_values = true)]
-    pub weight_exponent: f64,
-    /// Norm l of the weights: sum of absolute values, Euclidean, or largest.
-    #[arg(long, value_name = "l1|l2|linf", default_value = "l2", value_parser = palpate_files::norm)]
-    pub norm: Norm,
-    /// Axes to use: all three, or the normal one.
-    #[arg(long, value_name = "xyz|z", default_value = "xyz", value_parser = palpate_files::axes_named)]
-    pub axes: Axes,
-    /// Rows per second of a recording without a time_us column (default: frequency_hz of meta_data.csv
-    /// beside it).
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
-    pub rate: Option<f64>,
-    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
-    #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
-    pub time: Option<TimeColumn>,
-    /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
-    /// on, or the only ones of that number).
-    #[arg(long, value_name = "PREFIX")]
-    pub columns: Option<String>,
-    /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
-    #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
-    pub gain: Option<Gain>,
-    /// Take jumps of the clock out: play what follows one right after what came before it.
-    #[arg(long)]
-    pub split_jumps: bool,
-    /// Seed of the k-means++ draws.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
-    pub seed: u64,
-    /// Treatment of rows that repeat the one before.
-    #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
-    pub replay_stale: StaleArg,
-    /// Write contacts.csv into this folder in place of standard output.
-    #[arg(short = 'o', long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
-    #[arg(short = 'f', long)]
-    pub force: bool,
-    /// Print a JSON array of objects; the keys are the CSV's columns.
-    #[arg(long, conflicts_with = "out")]
-    pub json: bool,
-    /// Print no notes, only the contacts and errors.
-    #[arg(short = 'q', long)]
-    pub quiet: bool,
 }

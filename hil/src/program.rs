@@ -74,6 +74,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Some(Command::Run(args)) => command::run(&args, cli.color),
         Some(Command::Serve(args)) => command::serve(args, cli.color),
         Some(Command::Contacts(args)) => command::contacts(&args),
+        Some(Command::Import(args)) => command::import(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),
         Some(Command::Unit(args)) => command::unit(&args),
         Some(Command::Doctor(args)) => command::doctor(&args),

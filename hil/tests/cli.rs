@@ -19,6 +19,8 @@ mod fingers;
 mod hardware;
 #[path = "cli/identify.rs"]
 mod identify;
+#[path = "cli/import.rs"]
+mod import;
 #[path = "cli/input.rs"]
 mod input;
 #[path = "cli/interrupt.rs"]
@@ -35,6 +37,8 @@ mod project;
 mod pulse;
 #[path = "cli/readers.rs"]
 mod readers;
+#[path = "cli/recipes.rs"]
+mod recipes;
 #[path = "cli/recordings.rs"]
 mod recordings;
 #[path = "cli/records.rs"]

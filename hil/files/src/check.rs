@@ -19,6 +19,7 @@ use super::person::{PersonFile, Wearer};
 use super::placeholder;
 use super::protocol::Protocol;
 use super::quarantine::Quarantine;
+use super::recipe::Recipe;
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::setup;
@@ -113,6 +114,9 @@ pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
     {
         return Ok(kind);
     }
+    if matches!(source.peek("kind"), Ok(Some(kind)) if kind == FileKind::Recording.name()) {
+        return Ok(FileKind::Recording);
+    }
     let keys = source.top_keys();
     let told = |key: &&String| !["name", "description", "assumed"].contains(&key.as_str());
     let known = |kind: FileKind| {
@@ -126,8 +130,12 @@ pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
         };
         keys.iter().filter(told).map(weight).sum::<usize>()
     };
-    let scores = FileKind::ALL.map(|kind| (known(kind), kind));
-    // The folder may tell the kind of a file that states only its name.
+    let scores = FileKind::ALL.map(|kind| match kind {
+        // It states its kind, and shares its other keys with layouts.
+        FileKind::Recording => (0, kind),
+        _ => (known(kind), kind),
+    });
+    // A file that states nothing but its name may lie in a folder that says what is in it.
     let folder = source.folder().and_then(|f| f.file_name()?.to_str());
     let shelf = FileKind::ALL
         .into_iter()
@@ -172,6 +180,7 @@ impl Mended {
             FileKind::Activation => self.read(|s| ActivationFile::read(s).map(drop)),
             FileKind::Textures => self.read(|s| TextureTable::read(s).map(drop)),
             FileKind::Protocol => self.read(|s| Protocol::read(s).map(drop)),
+            FileKind::Recording => self.recipe(),
             FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }
     }
@@ -187,6 +196,11 @@ impl Mended {
             setup::texture_of(&scene, modules).map(drop)
         });
         self.read(|s| setup::people_of(&of(s)?).map(drop));
+    }
+
+    fn recipe(&mut self) {
+        self.read(|s| Recipe::read(s).map(drop));
+        self.read(|s| setup::plan_of(&Loaded::read(s.clone())?).map(drop));
     }
 
     fn bench(&mut self) {

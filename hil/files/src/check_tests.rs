@@ -214,3 +214,17 @@ fn a_quarantine_is_known_by_its_key() {
         2
     );
 }
+
+#[test]
+fn a_recipe_is_known_by_its_kind() {
+    let text = "kind = \"recording\"\nname = \"r\"\ndescription = \"A recipe.\"\nlayout = \"uskin-4x4\"\nmodules = []\n";
+    let checked = check_source(Source::new("r.toml", text));
+    assert_eq!(checked.kind, Some(FileKind::Recording));
+    assert!(
+        checked.errors[0]
+            .to_string()
+            .contains("at least one module"),
+        "{:?}",
+        checked.errors
+    );
+}

@@ -1,8 +1,8 @@
 //! Times of a table's rows: the column that holds them, and its unit.
 
-use super::columns::{TIMES, Wrong, shown};
 use super::dialect::Row;
 use super::gain::Gain;
+use super::taken::{TIMES, Wrong, numbered, shown};
 use super::times::{TimeColumn, TimeUnit, date_us};
 
 /// Options for the times of a table's rows, and for the unit of their values.
@@ -59,7 +59,21 @@ impl Clock {
         }
     }
 
-    /// The name of the column of times in errors.
+    /// The column of times as a recipe names it, and what it counts; none where there is none.
+    pub(super) fn named(&self, names: Option<&[&str]>) -> Option<(String, TimeUnit)> {
+        let (place, unit) = match self {
+            Self::Column(place, column) => (*place, column.unit),
+            Self::Seconds(place, _) => (*place, TimeUnit::S),
+            Self::Rate(_) | Self::None => return None,
+        };
+        let name = names.and_then(|names| names.get(place));
+        Some((
+            name.map_or_else(|| (place + 1).to_string(), |name| (*name).to_owned()),
+            unit,
+        ))
+    }
+
+    /// The column of times as errors name it.
     pub(super) fn key(&self) -> String {
         match self {
             Self::Column(place, column) if column.name.is_empty() => {
@@ -104,11 +118,14 @@ impl Timing {
     pub(super) fn clock(&self, table: &Beginning<'_>) -> Result<(Clock, Option<String>), Wrong> {
         let names = table.names.unwrap_or_default();
         if let Some(column) = &self.column {
-            let place = names.iter().position(|name| *name == column.name);
+            let place = match table.names {
+                Some(names) => names.iter().position(|name| *name == column.name),
+                None => numbered(&column.name),
+            };
             let place = place.ok_or_else(|| {
                 let found = match table.names {
                     Some(names) => shown(&names.join(", ")),
-                    None => "no heading".into(),
+                    None => "no heading (a column is called by its number, from 1)".into(),
                 };
                 (None, format!("a column {} (--time)", column.name), found)
             })?;

@@ -1,7 +1,10 @@
 //! Columns of a table: those that a recording must hold, and those of a file that are taken.
 
+use super::dialect::Writing;
 use super::layout::SensorLayout;
 use super::order::{Group, groups, is_computed, listed};
+use super::recipe_plan::RecipePlan;
+use super::taken::{Chosen, TIMES, Taken, Turns, Wrong, shown};
 
 /// Columns that a recording of taxels must hold: `taxels` times `axes` of them, `txl1_x,txl1_y,txl1_z,...` (`_z`
 /// alone for one axis).
@@ -83,6 +86,8 @@ pub enum Take<'a> {
         /// Number of columns.
         count: usize,
     },
+    /// Columns of a recording of taxels as its recipe says.
+    Recipe(&'a RecipePlan),
     /// Columns of a header whose names begin with a prefix, without those of some taxels.
     Prefixed {
         /// Beginning of the names.
@@ -92,33 +97,8 @@ pub enum Take<'a> {
     },
 }
 
-/// A column that is taken: its place, and its heading; empty without a header.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Taken {
-    pub(super) place: usize,
-    pub(super) name: String,
-}
-
-/// Columns that are taken, and a remark on the choice.
-pub(super) type Chosen = (Vec<Taken>, Option<String>);
-
-/// Names of columns that hold times and no values.
-pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
-
-/// Beginning of the name of a joint's column.
+/// What the name of a joint's column begins with.
 pub const JOINT: &str = "joint_";
-
-/// Key, expected and found.
-pub(super) type Wrong = (Option<String>, String, String);
-
-/// A field as messages show it.
-pub(super) fn shown(field: &str) -> String {
-    if field.is_empty() {
-        return "nothing".into();
-    }
-    let text: String = field.chars().take(40).collect();
-    format!("`{}`", text.escape_debug())
-}
 
 impl Take<'_> {
     /// Number of columns there must be; none where that follows from the file.
@@ -126,7 +106,23 @@ impl Take<'_> {
         match self {
             Self::Taxels(columns) => Some(columns.count()),
             Self::Counted(_, count) | Self::Features { count, .. } => Some(count),
-            Self::Prefixed { .. } => None,
+            Self::Recipe(_) | Self::Prefixed { .. } => None,
+        }
+    }
+
+    /// How the text is known to be written.
+    pub(super) fn writing(self) -> Writing {
+        match self {
+            Self::Recipe(plan) => plan.writing,
+            _ => Writing::default(),
+        }
+    }
+
+    /// The sensors whose rows take turns.
+    pub(super) fn turns(self, first: &[&str], header: bool) -> Result<Option<Turns>, Wrong> {
+        match self {
+            Self::Recipe(plan) => plan.turns(first, header),
+            _ => Ok(None),
         }
     }
 
@@ -135,26 +131,23 @@ impl Take<'_> {
     pub(super) fn of(self, first: &[&str], header: bool, times: &[usize]) -> Result<Chosen, Wrong> {
         match self {
             Self::Taxels(columns) => taxels(first, header, columns, times),
+            Self::Recipe(plan) => Ok((plan.columns(first, header, times)?, None)),
             Self::Counted(prefix, count) if header => counted(first, prefix, count),
             _ => Ok((self.in_order(first, header)?, None)),
         }
     }
 
     fn in_order(self, first: &[&str], header: bool) -> Result<Vec<Taken>, Wrong> {
-        let called = |place: usize| Taken {
-            place,
-            name: if header {
-                first[place].to_owned()
-            } else {
-                String::new()
-            },
+        let called = |place: usize| {
+            let name = if header { first[place] } else { "" };
+            Taken::of(place, name.to_owned())
         };
         let beginning = |prefix: &str, wanted: &dyn Fn(&str) -> bool| -> Vec<Taken> {
             let fits = |c: &usize| header && first[*c].starts_with(prefix) && wanted(first[*c]);
             (0..first.len()).filter(fits).map(called).collect()
         };
         match self {
-            Self::Taxels(_) => Ok(Vec::new()),
+            Self::Taxels(_) | Self::Recipe(_) => Ok(Vec::new()),
             Self::Counted(prefix, count) => {
                 let taken = beginning(prefix, &|_| true);
                 if taken.len() == count {
@@ -232,10 +225,7 @@ fn taxels(
     };
     let taken = (before..first.len())
         .enumerate()
-        .map(|(index, place)| Taken {
-            place,
-            name: columns.name(index),
-        });
+        .map(|(index, place)| Taken::of(place, columns.name(index)));
     let note = format!(
         "no heading: {} columns are `{}`, `{}` and so on, in the layout's order",
         if before == 0 { "all" } else { "the last" },
@@ -267,7 +257,7 @@ fn own(first: &[&str], columns: &Columns, times: &[usize]) -> Result<Vec<Taken>,
                 shown(first[place]),
             ));
         }
-        taken.push(Taken { place, name });
+        taken.push(Taken::of(place, name));
     }
     let joints = first.iter().filter(|name| name.starts_with(JOINT)).count();
     let found = first.len() - times.len() - joints;
@@ -312,10 +302,7 @@ fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Optio
     let taken = fit
         .iter()
         .flat_map(|group| &group.places)
-        .map(|place| Taken {
-            place: *place,
-            name: first[*place].to_owned(),
-        });
+        .map(|place| Taken::of(*place, first[*place].to_owned()));
     Ok(Some((taken.collect(), Some(told(&fit, columns)))))
 }
 
@@ -345,10 +332,10 @@ fn counted(first: &[&str], prefix: &str, count: usize) -> Result<Chosen, Wrong> 
     if group.places.len() != count || !group.is_mended() {
         return Ok((taken, None));
     }
-    let mended = group.places.iter().map(|place| Taken {
-        place: *place,
-        name: first[*place].to_owned(),
-    });
+    let mended = group
+        .places
+        .iter()
+        .map(|place| Taken::of(*place, first[*place].to_owned()));
     let note = format!(
         "columns `{}` are taken in the order of the numbers in their names, which is not that of the file",
         group.pattern

@@ -8,9 +8,17 @@ const LOOKED_AT: usize = 64;
 /// Separator of the fields of a line, and decimal mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
-    /// The separator, one of `,`, `;`, tab; none: blanks.
-    separator: Option<u8>,
-    decimal_comma: bool,
+    /// One of `,`, `;`, tab; none: blanks.
+    pub(super) separator: Option<u8>,
+    pub(super) decimal_comma: bool,
+}
+
+/// What is known of how a table is written, before it is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Writing {
+    /// The separator, as in [`Dialect`].
+    pub(super) separator: Option<Option<u8>>,
+    pub(super) decimal_comma: Option<bool>,
 }
 
 impl Default for Dialect {
@@ -25,13 +33,16 @@ impl Default for Dialect {
 impl Dialect {
     /// The dialect in which most fields behind the first line are values, and all lines have as many. The order of the
     /// candidates decides between equals: a comma may be a decimal mark, and blanks may stand around any of them.
-    pub(super) fn of(start: &str) -> Self {
+    pub(super) fn of(start: &str, known: Writing) -> Self {
         let lines: Vec<&str> = whole_lines(start)
             .filter(|line| !is_remark(line))
             .take(LOOKED_AT)
             .collect();
         let mut best = (0.0, Self::default());
-        for separator in [Some(b';'), Some(b'\t'), Some(b','), None] {
+        let all = [Some(b';'), Some(b'\t'), Some(b','), None];
+        let stated = known.separator.as_ref().map(std::slice::from_ref);
+        best.1.separator = known.separator.unwrap_or(best.1.separator);
+        for &separator in stated.unwrap_or(&all) {
             let dialect = Self {
                 separator,
                 decimal_comma: false,
@@ -42,7 +53,9 @@ impl Dialect {
             }
         }
         let mut dialect = best.1;
-        if dialect.separator != Some(b',') {
+        if let Some(stated) = known.decimal_comma {
+            dialect.decimal_comma = stated;
+        } else if dialect.separator != Some(b',') {
             let mut fields = Fields::new(dialect);
             let rows = lines.get(1..).filter(|rows| !rows.is_empty());
             dialect.decimal_comma = rows.unwrap_or(&lines).iter().any(|line| {
@@ -229,8 +242,14 @@ impl<'l> Row<'l> {
     pub(super) fn get(self, place: usize) -> &'l str {
         let span = self.spans.get(place);
         let field = span.and_then(|(begin, end)| self.text.get(*begin..*end));
-        let field = field.unwrap_or_default().trim();
-        // Quotes behind a space are quotes to people but not to the reader.
+        let field = field.unwrap_or_default();
+        let is_plain = |byte: Option<&u8>| byte.is_some_and(|b| b.is_ascii_alphanumeric());
+        // Most fields are bare numbers.
+        if is_plain(field.as_bytes().first()) && is_plain(field.as_bytes().last()) {
+            return field;
+        }
+        let field = field.trim();
+        // Quotes behind a space are quotes to people alone.
         let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
         quoted.unwrap_or(field)
     }

@@ -22,6 +22,17 @@ const NOISE: f64 = 3.0;
 const WITHOUT_NOISE: f64 = 1000.0;
 
 impl Gain {
+    /// Counts are `value * per_unit + at_zero`.
+    pub(super) const fn new(per_unit: f64, at_zero: f64) -> Self {
+        Self { per_unit, at_zero }
+    }
+
+    /// The same for values of an axis that may count the other way.
+    pub(super) fn turned(self, is_opposite: bool) -> Self {
+        let sign = if is_opposite { -1.0 } else { 1.0 };
+        Self::new(self.per_unit * sign, self.at_zero)
+    }
+
     pub(super) fn counts(self, value: f64) -> f64 {
         value * self.per_unit + self.at_zero
     }
@@ -41,6 +52,17 @@ impl Gain {
     /// # Errors
     /// The expectation and the finding, where most values are no counts.
     pub(super) fn needless(rows: &[Vec<String>], places: &[usize]) -> Result<(), (String, String)> {
+        let Some((gain, shown)) = Self::needed(rows, places) else {
+            return Ok(());
+        };
+        let expected = format!(
+            "whole counts from 0 to 65535 (--gain {gain} makes counts of values by their noise: COUNTS per unit, and at 0)"
+        );
+        Err((expected, format!("values such as `{shown}`")))
+    }
+
+    /// The gain by which the noise of values comes to a few counts, and one of the values; none where most are counts.
+    pub(super) fn needed(rows: &[Vec<String>], places: &[usize]) -> Option<(Self, String)> {
         let field = |row: &Vec<String>, place: usize| row.get(place).cloned().unwrap_or_default();
         let (mut steps, mut no_counts, mut all) = (Vec::new(), 0, 0);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -50,7 +72,7 @@ impl Gain {
             for row in rows {
                 let text = field(row, place);
                 let Some(value) = text.parse::<f64>().ok().filter(|v| v.is_finite()) else {
-                    return Ok(()); // reading it will say where
+                    return None; // reading it will say where
                 };
                 all += 1;
                 (least, most) = (least.min(value), most.max(value));
@@ -67,19 +89,19 @@ impl Gain {
             }
         }
         if no_counts * 2 <= all {
-            return Ok(());
+            return None;
         }
         steps.sort_unstable_by(f64::total_cmp);
         let gain = Self::proposed(steps.get(steps.len() / 2).copied(), least, most);
-        let expected = format!(
-            "whole counts from 0 to 65535 (--gain {gain} makes counts of values by their noise: COUNTS per unit, and at 0)"
-        );
-        Err((expected, format!("values such as `{shown}`")))
+        Some((gain, shown))
     }
-}
 
-impl Gain {
-    /// The power of ten at which noise comes to a few counts and touches still have room.
+    /// Counts per unit and at 0.
+    pub(super) const fn parts(self) -> (f64, f64) {
+        (self.per_unit, self.at_zero)
+    }
+
+    /// A power of ten by which noise comes to a few counts, and which leaves room for touches.
     fn proposed(noise: Option<f64>, least: f64, most: f64) -> Self {
         let tens = |log: f64| libm::pow(10.0, log);
         let by_noise = noise.map_or(WITHOUT_NOISE, |noise| {

@@ -35,6 +35,7 @@ mod mount;
 mod near;
 mod number;
 mod objects;
+mod opening;
 mod order;
 mod overrides;
 mod own_bench;
@@ -42,9 +43,12 @@ mod pace;
 mod person;
 mod placeholder;
 mod plain;
+mod proposal;
 mod protocol;
 mod quarantine;
 mod reading;
+mod recipe;
+mod recipe_plan;
 mod resolve;
 mod rows;
 mod saved;
@@ -54,11 +58,13 @@ mod setup;
 mod shelf;
 mod source;
 mod stream;
+mod taken;
 mod texture;
 mod texture_model;
 mod times;
 mod touch;
 mod transducer;
+mod turns;
 mod wants;
 mod warmth;
 mod wire;
@@ -92,7 +98,7 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
-    load_protocol, load_scene, load_textures, load_wire,
+    load_protocol, load_recipe, load_scene, load_textures, load_wire,
 };
 pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
@@ -105,7 +111,7 @@ pub use own_bench::DEFAULT_BENCH;
 pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
-
+pub use proposal::{Assumed, Proposal, propose};
 pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
     Protocol, Question, RatingScale, RatingTask, SimulatedChoices, SimulatedDifferences,
@@ -117,13 +123,15 @@ pub use reading::{
     LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,
     read_text,
 };
+pub use recipe::{ColumnOrder, Delimiter, Recipe, RecipeModule, RecipeTime};
+pub use recipe_plan::RecipePlan;
 pub use resolve::{FileKind, resolve, resolve_from};
 pub use rows::{Input, RowAt, Rows};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{Finger, Setup, Stroked, sensor_of};
+pub use setup::{Finger, Setup, Stroked, plan_of, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;

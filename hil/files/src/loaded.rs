@@ -12,6 +12,7 @@ use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
 use super::placeholder::keys;
 use super::protocol::Protocol;
+use super::recipe::Recipe;
 use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
 use super::source::Source;
@@ -84,6 +85,7 @@ files! {
     ActivationFile = Activation, load_activation "An activation";
     TextureTable = Textures, load_textures "A table of textures";
     Protocol = Protocol, load_protocol "A protocol";
+    Recipe = Recording, load_recipe "A recipe of a recording";
 }
 
 impl<T: Settings> Loaded<T> {

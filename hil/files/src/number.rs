@@ -10,6 +10,9 @@ pub trait Number: Sized {
 
     /// The number that a value comes to.
     fn of_value(value: f64) -> Option<Self>;
+
+    /// The number on an axis that counts the other way.
+    fn opposite(self) -> Self;
 }
 
 impl Number for u16 {
@@ -17,6 +20,11 @@ impl Number for u16 {
 
     /// Also written as `49202.0`.
     fn read(field: &str) -> Option<Self> {
+        let digits = field.as_bytes();
+        let digits = digits.strip_suffix(b".0").unwrap_or(digits);
+        if let Some(count) = plain(digits) {
+            return Some(count);
+        }
         let whole = match field.split_once('.') {
             Some((whole, rest)) if rest.bytes().all(|digit| digit == b'0') => whole,
             _ => field,
@@ -34,6 +42,10 @@ impl Number for u16 {
         let count = libm::round(value);
         (0.0..=65_535.0).contains(&count).then_some(count as Self)
     }
+
+    fn opposite(self) -> Self {
+        Self::MAX - self
+    }
 }
 
 impl Number for f32 {
@@ -46,4 +58,24 @@ impl Number for f32 {
     fn of_value(value: f64) -> Option<Self> {
         Some(value as Self).filter(|v| v.is_finite())
     }
+
+    fn opposite(self) -> Self {
+        -self
+    }
+}
+
+/// A count of one to five digits and nothing else, as most fields are.
+fn plain(digits: &[u8]) -> Option<u16> {
+    if !(1..=5).contains(&digits.len()) {
+        return None;
+    }
+    let mut count = 0_u32;
+    for digit in digits {
+        let value = digit.wrapping_sub(b'0');
+        if value > 9 {
+            return None;
+        }
+        count = count * 10 + u32::from(value);
+    }
+    u16::try_from(count).ok()
 }

@@ -82,6 +82,11 @@ fn shape(name: &str) -> Option<(String, Vec<u64>)> {
     (!numbers.is_empty()).then_some((shape, numbers))
 }
 
+/// The last number in a name.
+pub(super) fn number_in(name: &str) -> Option<u64> {
+    shape(name)?.1.pop()
+}
+
 /// The three shapes that differ from each other by an axis, with as many columns of the same numbers; the pattern they share.
 fn axes(shape: &str, shapes: &BTreeMap<String, Numbered>) -> Option<(String, [String; 3])> {
     let numbers = |shape: &String| -> Option<Vec<&Vec<u64>>> {

@@ -8,6 +8,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use memchr::{memchr, memchr_iter};
+
 use super::dialect::is_remark;
 use super::error::{FileError, said};
 use super::format::Format;
@@ -226,6 +228,9 @@ impl<R: Read> Text<R> {
 
     /// Checks bytes that were read; returns the number of them that are text.
     fn look(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.nuls == 0 && memchr(0, bytes).is_none() {
+            return self.look_at_lines(bytes);
+        }
         let mut text = 0;
         for piece in bytes.split_inclusive(|b| *b == b'\n' || *b == 0) {
             if piece == [0] || piece.ends_with(&[0]) {
@@ -259,6 +264,26 @@ impl<R: Read> Text<R> {
             }
         }
         Ok(text)
+    }
+
+    /// Looks at bytes without a NUL among them or before them.
+    fn look_at_lines(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.begun |= !bytes.is_empty();
+        let mut begin = 0;
+        let ends = memchr_iter(b'\n', bytes).map(|end| end + 1);
+        for end in ends.chain([bytes.len()]) {
+            self.length += end - begin;
+            if self.length > self.longest {
+                let expected = format!("a line of at most {} bytes", self.longest);
+                return Err(self.refuse(expected, "a longer one".into()));
+            }
+            if end > begin && bytes[end - 1] == b'\n' {
+                self.line += 1;
+                self.length = 0;
+            }
+            begin = end;
+        }
+        Ok(bytes.len())
     }
 
     fn amid(&self) -> io::Error {

@@ -19,7 +19,7 @@ macro_rules! kinds {
 
         impl FileKind {
             /// Every kind.
-            pub const ALL: [Self; 12] = [$(Self::$kind),+];
+            pub const ALL: [Self; 13] = [$(Self::$kind),+];
 
             /// The name of the kind, as the schema of such files has it.
             #[must_use]
@@ -77,6 +77,8 @@ kinds! {
     Quarantine = "quarantine" "quarantines" "a quarantine",
     /// A study with people.
     Protocol = "protocol" "protocols" "a protocol" protocol protocol_names,
+    /// How a recording is read.
+    Recording = "recording" "recordings" "a recipe of a recording",
 }
 
 /// Most names that an error lists.

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::arrays;
 use super::clock::{Beginning, Clock, Timing};
-use super::columns::{MOST_BEFORE, Take, Taken, Wrong, shown};
-use super::dialect::{Dialect, Fields, Row, is_remark, is_value};
+use super::columns::{MOST_BEFORE, Take};
+use super::dialect::{Fields, Row, Writing};
 use super::error::FileError;
 use super::format::Format;
 use super::gain::Gain;
@@ -15,8 +15,11 @@ use super::made::Made;
 use super::messages;
 use super::number::Number;
 use super::objects;
+use super::opening::Opening;
 use super::reading::{LONGEST_LINE, Lines, MOST_VALUES, Text, format_of, open};
+use super::taken::{Taken, Wrong, shown};
 use super::times::{OutOfTime, TimeUnit, Times};
+use super::turns::{Frame, Parts};
 
 /// Bytes that a table is read from.
 pub type Input = Box<dyn Read + Send>;
@@ -40,7 +43,8 @@ pub struct Rows<R> {
     count: usize,
     /// Remarks on how columns and times were found, where the file names them in another way than ours do.
     notes: Vec<String>,
-    gain: Option<Gain>,
+    /// Sensors whose rows take turns.
+    parts: Option<Parts>,
 }
 
 /// Line and time of a row.
@@ -58,101 +62,64 @@ impl Rows<Input> {
     /// # Errors
     /// A file that cannot be read or holds no table, wrong columns, no times where they are wanted.
     pub fn open(path: &Path, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
-        let label = path.display().to_string();
         let count = take.count().unwrap_or(0);
-        // A header of a million taxels has 40 MB.
-        let longest = count.saturating_mul(40).max(LONGEST_LINE);
         let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
-        let (input, note): (Input, _) = match format_of(path) {
-            Some(Format::Numpy | Format::Npz | Format::Matlab) => {
-                let array = arrays::read(path, count, rest_rows)?;
-                let note = array.note();
-                (Box::new(Made::of(array)), note)
-            }
-            Some(Format::Json) => {
-                let file = open(path, "a readable file")?;
-                let objects = objects::Objects::new(file, &label);
-                (Box::new(Made::of(objects)), None)
-            }
-            Some(Format::Mcap) => {
-                let messages = messages::Messages::open(path)?;
-                let note = messages.note();
-                (Box::new(Made::of(messages)), Some(note))
-            }
-            _ => (Box::new(text(path)?), None),
-        };
-        let mut rows = Self::over(Text::new(label, input, longest), take, timing)?;
+        let (text, note) = table(path, count, rest_rows)?;
+        let mut rows = Self::over(text, take, timing)?;
         rows.notes.extend(note);
         Ok(rows)
     }
 }
 
-/// Opens a file of text.
+/// A file as the text of a table, and what is to be said of it.
+fn table(
+    path: &Path,
+    count: usize,
+    rest_rows: usize,
+) -> Result<(Text<Input>, Option<String>), FileError> {
+    let label = path.display().to_string();
+    // A million taxels have a header of 40 MB.
+    let longest = count.saturating_mul(40).max(LONGEST_LINE);
+    let (input, note): (Input, _) = match format_of(path) {
+        Some(Format::Numpy | Format::Npz | Format::Matlab) => {
+            let array = arrays::read(path, count, rest_rows)?;
+            let note = array.note();
+            (Box::new(Made::of(array)), note)
+        }
+        Some(Format::Json) => {
+            let file = open(path, "a readable file")?;
+            let objects = objects::Objects::new(file, &label);
+            (Box::new(Made::of(objects)), None)
+        }
+        Some(Format::Mcap) => {
+            let messages = messages::Messages::open(path)?;
+            let note = messages.note();
+            (Box::new(Made::of(messages)), Some(note))
+        }
+        _ => (Box::new(text(path)?), None),
+    };
+    Ok((Text::new(label, input, longest), note))
+}
+
+/// The beginning of a file's table, and what is to be said of the file.
+///
+/// # Errors
+/// As [`Rows::open`].
+pub(super) fn opened(path: &Path) -> Result<(Opening, Option<String>), FileError> {
+    let (text, note) = table(path, 0, 0)?;
+    Ok((
+        Opening::of(&mut Lines::over(text), Writing::default())?,
+        note,
+    ))
+}
+
+/// A file of text.
 fn text(path: &Path) -> Result<File, FileError> {
     if let Some(format) = format_of(path).filter(|f| !f.is_text()) {
         let label = path.display().to_string();
         return Err(FileError::whole(label, "a recording", format.noun()));
     }
     open(path, "a readable file")
-}
-
-/// The beginning of a table: remarks, a heading or none, and the first row.
-struct Head {
-    line: usize,
-    /// The first line that is no remark.
-    first: String,
-    /// The names of the columns; none where there is no heading.
-    names: Option<Vec<String>>,
-    /// True if the first line is a row.
-    is_row: bool,
-}
-
-/// Finds the heading: the first line, if one of its fields is no value, or the last remark before it, if it has as many
-/// fields and none is a value, as `numpy.savetxt` writes one.
-fn head<R: Read>(lines: &mut Lines<R>, fields: &mut Fields) -> Result<Head, FileError> {
-    let mut remark = String::new();
-    let (line, first) = loop {
-        match lines.advance()? {
-            Some((_, text)) if is_remark(text) => {
-                if !text.trim().is_empty() {
-                    remark = text
-                        .trim()
-                        .trim_start_matches(['#', '%', '/'])
-                        .trim()
-                        .to_owned();
-                }
-            }
-            Some((number, text)) => break (number, text.to_owned()),
-            None => {
-                let found = "an empty file";
-                return Err(FileError::whole(lines.label(), "a header and rows", found));
-            }
-        }
-    };
-    let row = fields.split(&first);
-    let (is_row, width) = (row.iter().all(is_value), row.count());
-    let mut names: Option<Vec<String>> = None;
-    if !is_row {
-        names = Some(row.iter().map(str::to_owned).collect());
-    } else if !remark.is_empty() {
-        let row = fields.split(&remark);
-        if row.count() == width && row.iter().all(|name| !is_value(name)) {
-            names = Some(row.iter().map(str::to_owned).collect());
-        }
-    }
-    // Some programs end each line with a separator.
-    if let Some(names) = &mut names
-        && names.len() > 1
-        && names.last().is_some_and(String::is_empty)
-    {
-        names.pop();
-    }
-    Ok(Head {
-        line,
-        first,
-        names,
-        is_row,
-    })
 }
 
 impl<R: Read> Rows<R> {
@@ -163,13 +130,7 @@ impl<R: Read> Rows<R> {
     pub fn over(text: Text<R>, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let mut lines = Lines::over(text);
         let label = lines.label().to_owned();
-        if let Some(format) = lines.format()?.filter(|f| *f != Format::Csv) {
-            return Err(FileError::whole(&label, "a recording (CSV)", format.noun()));
-        }
-        let start = lines.start()?.to_owned();
-        let dialect = Dialect::of(&start);
-        let mut fields = Fields::new(dialect);
-        let head = head(&mut lines, &mut fields)?;
+        let head = Opening::of(&mut lines, take.writing())?;
         let at = |(key, expected, found): Wrong| FileError {
             path: label.clone(),
             line: Some(head.line),
@@ -177,21 +138,12 @@ impl<R: Read> Rows<R> {
             expected,
             found,
         };
-        let row = fields.split(&head.first);
-        // Rows have one more field, an empty one, where each line ends with a separator.
-        let width =
-            row.count() - usize::from(row.count() > 1 && row.get(row.count() - 1).is_empty());
-        let bare: Vec<&str> = row.iter().take(width).collect();
-        let names: Option<Vec<&str>> = head
-            .names
-            .as_ref()
-            .map(|names| names.iter().map(String::as_str).collect());
+        let (names, width) = (head.headings(), head.width);
         let has_heading = names.is_some();
         let count = take.count().unwrap_or(width);
-        let rows = beginning(&start, dialect, has_heading && !head.is_row);
         let table = Beginning {
             names: names.as_deref(),
-            rows: &rows,
+            rows: &head.rows,
             before: width
                 .checked_sub(count)
                 .filter(|n| *n <= MOST_BEFORE)
@@ -199,8 +151,10 @@ impl<R: Read> Rows<R> {
         };
         let clock = timing.map_or(Ok((Clock::None, None)), |t| t.clock(&table));
         let (clock, clock_note) = clock.map_err(at)?;
+        let bare = head.bare();
+        let bare: Vec<&str> = bare.iter().map(String::as_str).collect();
         let first = names.as_deref().unwrap_or(&bare);
-        let (taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
+        let (mut taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
         if matches!((&clock, timing), (Clock::None, Some(_))) {
             let expected = "a first column time_us, or a rate (--rate HZ), or --time COLUMN:UNIT";
             return Err(at((None, expected.into(), "neither".into())));
@@ -208,9 +162,13 @@ impl<R: Read> Rows<R> {
         let gain = timing.and_then(|timing| timing.gain);
         if let (Take::Taxels(_), None) = (take, gain) {
             let places: Vec<usize> = taken.iter().map(|t| t.place).collect();
-            Gain::needless(&rows, &places)
+            Gain::needless(&head.rows, &places)
                 .map_err(|(expected, found)| at((None, expected, found)))?;
         }
+        if gain.is_some() {
+            taken.iter_mut().for_each(|column| column.gain = gain);
+        }
+        let parts = take.turns(first, has_heading).map_err(at)?.map(Parts::of);
         let notes = [order_note, clock_note].into_iter().flatten();
         let is_plain = matches!(&clock, Clock::Column(_, column) if column.unit == TimeUnit::Us);
         Ok(Self {
@@ -220,72 +178,91 @@ impl<R: Read> Rows<R> {
             clock,
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
             width: first.len(),
-            pending: head.is_row.then(|| (head.line, head.first.clone())),
-            fields: Fields::new(dialect),
+            pending: head.pending(),
+            fields: Fields::new(head.dialect),
             count: 0,
-            gain,
+            parts,
             label,
             lines,
         })
     }
 
-    /// Reads the next row: its values replace those in `values`; none at the end.
+    /// The next row: its values in place of those in `values`; none at the end. Where sensors take turns, a row is made of
+    /// one of each.
     ///
     /// # Errors
     /// The first line that is no row, with its column; a table without a row.
     pub fn advance<V: Number>(&mut self, values: &mut Vec<V>) -> Result<Option<RowAt>, FileError> {
-        values.clear();
-        let pending = self.pending.take();
-        let (line, text) = match &pending {
-            Some((line, text)) => (*line, text.as_str()),
-            None => match self.lines.next_row()? {
-                Some(row) => row,
-                None if self.count == 0 => {
-                    let found = "a header alone";
-                    let label = self.lines.label();
-                    return Err(FileError::whole(label, "at least one row", found));
-                }
-                None => {
-                    self.look_at_times(true)?;
-                    return Ok(None);
-                }
-            },
-        };
-        let row = self.fields.split(text);
-        let read = read_row(row, (self.width, self.gain), &self.taken, values);
-        let time = read.and_then(|()| match &self.clock {
-            Clock::None => Ok(None),
-            // Frame numbers are far below 2^53, so the product is exact enough to round.
-            Clock::Rate(rate) => Ok(Some(libm::round(self.count as f64 * 1e6 / rate) as u64)),
-            clock => clock.micros(row, self.stated).map(Some),
-        });
-        let wrong = |(key, expected, found): Wrong| FileError {
-            path: self.label.clone(),
-            line: Some(line),
-            key,
-            expected,
-            found,
-        };
-        let mut time_us = match time {
-            Ok(time) => time.unwrap_or(0),
-            Err(e) => return Err(wrong(e)),
-        };
-        if let Some((place, unit)) = self.clock.counted() {
-            let is_coarse = self.stated && unit != TimeUnit::Us;
-            let at = (self.label.as_str(), line);
-            time_us = match self.times.next_row(at, time_us, is_coarse) {
-                Ok(time_us) => time_us,
-                Err(OutOfTime { expected, found }) => {
-                    let found = found.unwrap_or_else(|| shown(row.get(place)));
-                    return Err(wrong((Some(self.clock.key()), expected, found)));
+        let mut frame = Frame::of(self.parts.as_ref());
+        loop {
+            values.clear();
+            let pending = self.pending.take();
+            let (line, text) = match &pending {
+                Some((line, text)) => (*line, text.as_str()),
+                None => match self.lines.next_row()? {
+                    Some(row) => row,
+                    None => return self.ended(frame.begun()),
+                },
+            };
+            let row = self.fields.split(text);
+            let wrong = |(key, expected, found): Wrong| FileError {
+                path: self.label.clone(),
+                line: Some(line),
+                key,
+                expected,
+                found,
+            };
+            let columns = match &mut self.parts {
+                None => Some(0..self.taken.len()),
+                Some(parts) => parts.columns(row),
+            };
+            let Some(columns) = columns else { continue };
+            read_row(row, self.width, &self.taken[columns], values).map_err(wrong)?;
+            if let Some(parts) = &mut self.parts
+                && !frame.add(parts, values)
+            {
+                continue;
+            }
+            let time_us = match &self.clock {
+                Clock::None => 0,
+                // Frame numbers are far below 2^53, so the product is exact enough to round.
+                Clock::Rate(rate) => libm::round(self.count as f64 * 1e6 / rate) as u64,
+                clock => {
+                    let us = clock.micros(row, self.stated).map_err(wrong)?;
+                    let is_coarse = self.stated
+                        && clock
+                            .counted()
+                            .is_some_and(|(_, unit)| unit != TimeUnit::Us);
+                    let next = self.times.next_row((&self.label, line), us, is_coarse);
+                    next.map_err(|OutOfTime { expected, found }| {
+                        let place = clock.counted().map_or(0, |(place, _)| place);
+                        let found = found.unwrap_or_else(|| shown(row.get(place)));
+                        wrong((Some(clock.key()), expected, found))
+                    })?
                 }
             };
+            self.count += 1;
+            if !self.stated {
+                self.look_at_times(false)?;
+            }
+            return Ok(Some(RowAt { line, time_us }));
         }
-        self.count += 1;
-        if !self.stated {
-            self.look_at_times(false)?;
+    }
+
+    /// The end of the table.
+    fn ended(&mut self, is_cut: bool) -> Result<Option<RowAt>, FileError> {
+        if self.count == 0 {
+            let (expected, found) = match &self.parts {
+                Some(parts) => (parts.expected(), parts.found()),
+                None => ("at least one row".to_owned(), "a header alone".to_owned()),
+            };
+            return Err(FileError::whole(self.lines.label(), expected, found));
         }
-        Ok(Some(RowAt { line, time_us }))
+        if let Some(parts) = &mut self.parts {
+            parts.is_cut |= is_cut;
+        }
+        self.look_at_times(true)?;
+        Ok(None)
     }
 
     /// Reads all further rows, their values one after another.
@@ -354,34 +331,26 @@ impl<R: Read> Rows<R> {
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.times.take_notes());
         notes.extend(self.lines.note());
+        let said = self.parts.as_mut().map(Parts::notes).unwrap_or_default();
+        notes.extend(
+            said.into_iter()
+                .map(|note| format!("{}: {note}", self.label)),
+        );
         notes
     }
-}
-
-/// Rows at the beginning of a text.
-fn beginning(start: &str, dialect: Dialect, has_heading: bool) -> Vec<Vec<String>> {
-    let mut fields = Fields::new(dialect);
-    let end = start.rfind('\n').unwrap_or(start.len());
-    let lines = start.get(..end).unwrap_or_default().lines();
-    let rows = lines
-        .filter(|line| !is_remark(line))
-        .skip(usize::from(has_heading))
-        .take(64);
-    rows.map(|line| fields.split(line).iter().map(str::to_owned).collect())
-        .collect()
 }
 
 /// The values of a row.
 fn read_row<V: Number>(
     row: Row<'_>,
-    (width, gain): (usize, Option<Gain>),
+    width: usize,
     taken: &[Taken],
     values: &mut Vec<V>,
 ) -> Result<(), Wrong> {
     for taken in taken {
         // The error of a row that is too short names its width.
         if taken.place < row.count() {
-            values.push(number(row.get(taken.place), taken, gain)?);
+            values.push(number(row.get(taken.place), taken)?);
         }
     }
     if !row.has_width(width) {
@@ -391,20 +360,20 @@ fn read_row<V: Number>(
     Ok(())
 }
 
-fn number<V: Number>(field: &str, taken: &Taken, gain: Option<Gain>) -> Result<V, Wrong> {
-    let read = match gain {
+fn number<V: Number>(field: &str, taken: &Taken) -> Result<V, Wrong> {
+    let read = match taken.gain {
         None => V::read(field),
         Some(gain) => field.parse().ok().and_then(|v| V::of_value(gain.counts(v))),
     };
-    read.ok_or_else(|| {
-        let name = match taken.name.as_str() {
-            "" => String::new(),
-            name => format!(" ({name})"),
-        };
-        let key = format!("column {}{name}", taken.place + 1);
-        let expected = gain.map_or_else(|| V::EXPECTED.to_owned(), |gain| gain.range());
-        (Some(key), expected, shown(field))
-    })
+    match read {
+        Some(number) if taken.is_opposite => Ok(number.opposite()),
+        Some(number) => Ok(number),
+        None => {
+            let gain = taken.gain.map(Gain::range);
+            let expected = gain.unwrap_or_else(|| V::EXPECTED.to_owned());
+            Err((Some(taken.key()), expected, shown(field)))
+        }
+    }
 }
 
 #[cfg(test)]

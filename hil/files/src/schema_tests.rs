@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::limits::Limiting;
 use super::{
-    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Protocol, Quarantine, Scene,
+    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Protocol, Quarantine, Recipe, Scene,
     TextureTable, Wearer, WireFile,
 };
 
@@ -31,6 +31,7 @@ fn shipped_schemas_are_current() {
         ("person", schemars::schema_for!(PersonFile)),
         ("protocol", schemars::schema_for!(Protocol)),
         ("quarantine", schemars::schema_for!(Quarantine)),
+        ("recording", schemars::schema_for!(Recipe)),
         ("scene", schemars::schema_for!(Scene)),
         ("textures", schemars::schema_for!(TextureTable)),
         ("wearer", schemars::schema_for!(Wearer)),

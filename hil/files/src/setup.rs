@@ -13,6 +13,8 @@ use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
 use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
+use super::recipe::Recipe;
+use super::recipe_plan::RecipePlan;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
@@ -263,6 +265,21 @@ pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
     let wearer = illusion.wearer.as_ref();
     let wearer = wearer.map(|name| scene.refer(name, "illusion.wearer"));
     Ok((person, wearer.transpose()?))
+}
+
+/// A recipe held against the layout that it names, and the layout.
+///
+/// # Errors
+/// What cannot be in its layout, or does not fit the recipe.
+pub fn plan_of(recipe: &Loaded<Recipe>) -> Result<(RecipePlan, SensorLayout), FileError> {
+    let Loaded { value, source } = recipe;
+    let LayoutFile::Sensor(layout) = recipe.refer::<LayoutFile>(&value.layout, "layout")?.value
+    else {
+        let expected = "a layout of kind \"sensor\"";
+        let found = format!("the display `{}`", value.layout);
+        return Err(source.bad_found("layout", expected, found));
+    };
+    Ok((RecipePlan::of(value, source, &layout)?, layout))
 }
 
 /// The skin of a scene.

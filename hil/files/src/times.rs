@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use palpate_core::statistics::quantile;
+use serde::Deserialize;
 
 use super::pace::SAME;
 
@@ -23,8 +24,10 @@ const FAST_US: u64 = 100;
 const STRAY_US: u64 = 2_000_000;
 const STRAY_STEPS: u64 = 100;
 
-/// Unit of a column of times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a column of times counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum TimeUnit {
     /// Seconds.
     S,

@@ -56,7 +56,7 @@ pub fn load_taxels<'py>(
                 rate_hz: rate_of(rate_hz, &files)?.hz,
                 ..Timing::default()
             },
-            prefix: None,
+            ..Reading::default()
         };
         let (input, notes) = recorded(&files, sensor, &reading)?;
         let Input::Rows(sources) = input else {

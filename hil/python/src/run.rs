@@ -64,7 +64,7 @@ fn recording(
             rest_rows: setup.scene.value.reference_frames as usize + 1,
             ..Timing::default()
         },
-        prefix: None,
+        ..Reading::default()
     };
     recorded(paths, &setup.sensor.value, &reading)
 }

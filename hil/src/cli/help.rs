@@ -11,7 +11,10 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "serve", "sweep", "design"]),
     ("Compare", &["diff", "compare", "test", "review"]),
     ("Files of your own", &["list", "new", "check", "export"]),
-    ("Recordings", &["contacts", "identify", "record", "replay"]),
+    (
+        "Recordings",
+        &["contacts", "import", "identify", "record", "replay"],
+    ),
     ("Hardware", &["doctor", "emulate", "unit", "pulse", "off"]),
     ("People, textures, this program", &["study", "texture"]),
 ];

@@ -1,6 +1,7 @@
 //! `hil contacts`: (4.1) to (4.10) on a recording, and nothing else.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use palpate_core::contact::{Contact, Settings};
 use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
@@ -21,7 +22,9 @@ use palpate_live::recording::Reading;
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
+use super::ahead::ahead;
 use super::rate::rate_of;
+use super::recorded::Recorded;
 
 /// `--threshold per-taxel`, as scenes have it by default.
 const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
@@ -71,10 +74,10 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
     // No table without a contact, and then no row asks for a level.
     let levels = intensities.table(usize::from(args.ki));
     let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
-    if count > HELD && is_stream(&args.file) {
+    if count > HELD && is_stream(&recording.file) {
         return Err(Failure::Input(format!(
             "{}: expected a file: levels are found over the whole recording, which is then read again (a pipe may hold up to {HELD} contacts)",
-            args.file.display()
+            recording.file.display()
         )));
     }
     let found = Found {
@@ -168,6 +171,7 @@ fn write_list(
 /// A recording and how its contacts are to be found.
 struct Recording<'a> {
     args: &'a ContactsArgs,
+    file: PathBuf,
     layout: Layout,
     columns: Columns,
     reading: Reading,
@@ -176,23 +180,33 @@ struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     fn of(args: &'a ContactsArgs) -> Result<Self, Failure> {
-        let loaded = load_layout(&args.layout)?;
+        let recorded = Recorded::of(args.recipe.as_deref(), &args.file)?;
+        if let (Some(note_of), false) = (recorded.note(), args.quiet) {
+            note(&note_of);
+        }
+        let named = args.layout.clone().or_else(|| recorded.layout());
+        let name = named.ok_or_else(|| {
+            let expected = "--layout: expected the skin's layout (`hil list layouts` has their names), or a recipe that \
+                            names it (`hil import` proposes one), found neither";
+            Failure::Input(expected.into())
+        })?;
+        let loaded = load_layout(&name)?;
         let LayoutFile::Sensor(file) = &loaded.value else {
             return Err(Failure::Input(format!(
-                "--layout: {}: expected a layout of kind \"sensor\", found a display",
-                args.layout
+                "--layout: {name}: expected a layout of kind \"sensor\", found a display"
             )));
         };
-        let recordings = match args.time {
+        let time = args.time.clone().or_else(|| recorded.time(args.rate));
+        let recordings = match time {
             Some(_) => &[],
-            None => std::slice::from_ref(&args.file),
+            None => std::slice::from_ref(&recorded.file),
         };
-        let rate = rate_of(args.rate, recordings)?;
+        let rate = rate_of(args.rate.or_else(|| recorded.rate_hz()), recordings)?;
         if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
             note(&format!("{hz} rows a second, from {}", meta.display()));
         }
         let timing = Timing {
-            column: args.time.clone(),
+            column: time,
             rate_hz: rate.hz,
             split_jumps: args.split_jumps,
             rest_rows: args.reference_frames as usize + 1,
@@ -200,11 +214,13 @@ impl<'a> Recording<'a> {
         };
         Ok(Self {
             args,
+            file: recorded.file.clone(),
             layout: plan::layout(file)?,
             columns: Columns::of_skin(file),
             reading: Reading {
                 timing,
                 prefix: args.columns.clone(),
+                recipe: recorded.plan(file)?,
             },
             search: Search {
                 baseline: BaselineSettings {
@@ -237,27 +253,27 @@ impl<'a> Recording<'a> {
     /// Hands every contact to `each`, row by row; returns notes on the file.
     fn compress(&self, each: &mut Each<'_>) -> Result<Vec<String>, Failure> {
         let args = self.args;
-        let file = args.file.display();
+        let file = self.file.display();
         let of_file = |failure: Failure| match failure {
             Failure::Input(text) => Failure::Input(format!("{file}: {text}")),
             other => other,
         };
         let mut finder = Finder::new(&self.layout, &self.columns, self.search.clone())?;
-        let _shown = Progress::reading(&args.file);
+        let _shown = Progress::reading(&self.file);
         let take = self.reading.take(&self.columns);
-        let mut rows = Rows::open(&args.file, take, Some(&self.reading.timing))?;
-        let mut row: Vec<u16> = Vec::new();
-        while let Some(at) = rows.advance(&mut row)? {
-            let frame = rows.count() - 1;
-            for &contact in finder.row(at.time_us, &row).map_err(of_file)? {
+        let rows = Rows::open(&self.file, take, Some(&self.reading.timing))?;
+        let mut rows = ahead(rows, &mut |time_us, counts| {
+            let frame = finder.rows();
+            for &contact in finder.row(time_us, counts).map_err(of_file)? {
                 let row = Row {
                     frame,
-                    time_us: at.time_us,
+                    time_us,
                     contact,
                 };
                 each(row).map_err(Failure::written("contacts"))?;
             }
-        }
+            Ok(())
+        })?;
         let needed = args.reference_frames as usize + 1;
         if rows.count() < needed {
             return Err(Failure::Input(format!(

@@ -1,5 +1,6 @@
 //! One function a command: arguments in, files and text out.
 
+mod ahead;
 mod check;
 mod compare;
 mod contacts;
@@ -12,6 +13,7 @@ mod explain;
 mod export;
 mod guardian;
 mod identify;
+mod import;
 mod list;
 mod long_schedules;
 mod new;
@@ -21,6 +23,7 @@ mod pulse;
 mod pulse_plan;
 mod rate;
 mod record;
+mod recorded;
 mod report;
 mod review;
 mod run;
@@ -30,6 +33,7 @@ mod schedules;
 mod serve;
 mod served;
 mod shell;
+mod skin_picture;
 mod study;
 mod study_simulate;
 mod sweep;
@@ -53,6 +57,7 @@ pub use emulate::emulate;
 pub use export::export;
 pub use guardian::guardian;
 pub use identify::identify;
+pub use import::import;
 pub use list::list;
 pub use new::new;
 pub use off::off;

@@ -20,6 +20,7 @@ use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
+use super::recorded::Recorded;
 use super::run_files;
 use super::served::Served;
 
@@ -31,6 +32,7 @@ pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
+    let args = &by_recipe(args)?;
     let timing = timing(args)?;
     let setup = setup(args)?;
     let plan = prepare(args, &setup)?;
@@ -71,6 +73,31 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         | Verdict::OffThePad
         | Verdict::Ok => failure.or(failed).map_or(Ok(()), Err),
     }
+}
+
+/// The command line with what the recipe of its only recording says in place of what was left out.
+fn by_recipe(args: &RunArgs) -> Result<RunArgs, Failure> {
+    let mut args = args.clone();
+    let [file] = args.replay.as_slice() else {
+        return match &args.recipe {
+            Some(_) => Err(Failure::Input(
+                "--recipe: expected one recording of the whole skin (--replay)".into(),
+            )),
+            None => Ok(args),
+        };
+    };
+    let recorded = Recorded::of(args.recipe.as_deref(), file)?;
+    if let (Some(text), false) = (recorded.note(), args.voice.quiet) {
+        note(&text);
+    }
+    args.layout = args.layout.or_else(|| recorded.layout());
+    args.time = args.time.or_else(|| recorded.time(args.rate));
+    if args.time.is_none() {
+        args.rate = args.rate.or_else(|| recorded.rate_hz());
+    }
+    args.recipe = recorded.recipe();
+    args.replay = vec![recorded.file];
+    Ok(args)
 }
 
 /// The files of a run, and what the run keeps for them.
@@ -164,12 +191,17 @@ fn played(
     (keep, wanted): (Keep, Wanted<'_>),
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
+    let recipe = match (&args.recipe, args.replay.as_slice()) {
+        (Some(recipe), [file]) => Recorded::of(Some(recipe), file)?.plan(sensor)?,
+        _ => None,
+    };
     let reading = Reading {
         timing: Timing {
             rest_rows: setup.scene.value.reference_frames as usize + 1,
             ..timing
         },
         prefix: args.columns.clone(),
+        recipe,
     };
     let (input, notes) = match (&args.stream, args.replay.as_slice()) {
         (Some(address), _) => {

@@ -29,7 +29,7 @@ pub(super) fn open(
                     rest_rows: setup.scene.value.reference_frames as usize + 1,
                     ..Timing::default()
                 },
-                prefix: None,
+                ..Reading::default()
             };
             let (input, notes) = recorded(replay, &setup.sensor.value, &reading)?;
             notes

@@ -47,9 +47,9 @@ pub fn recorded(
         let layout = plan::layout(file)?;
         let addresses = layout.modules().iter().filter_map(Module::address);
         let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
-        if reading.prefix.is_some() || reading.timing.column.is_some() {
+        if reading.prefix.is_some() || reading.recipe.is_some() || reading.timing.column.is_some() {
             return Err(Failure::Input(format!(
-                "{}: expected CSV for --columns and --time, found a recording of buses",
+                "{}: expected a table for a recipe, --columns and --time, found a recording of buses",
                 log.display()
             )));
         }
@@ -57,7 +57,7 @@ pub fn recorded(
         let recording = read_can_recording(log, buses.unwrap_or(0), split)?;
         return Ok((Input::Frames(recording.frames), recording.notes));
     }
-    if paths.len() != file.modules.len() {
+    if paths.len() != file.modules.len() || (reading.recipe.is_some() && paths.len() > 1) {
         let of_each = format!(
             "--replay: expected {} files, one per module of layout `{}`, found {}",
             file.modules.len(),

@@ -4,7 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use palpate_files::{Columns, FileError, Input, MOST_VALUES, RowAt, Rows, Take, Timing, is_stream};
+use palpate_files::{
+    Columns, FileError, Input, MOST_VALUES, RecipePlan, RowAt, Rows, Take, Timing, is_stream,
+};
 use palpate_run::{Failure, NextRow, RowSource, TaxelTable};
 
 /// Most values of a file that are held, 2 bytes each: a quarter of an hour of 48 columns at 100 Hz.
@@ -19,15 +21,18 @@ pub struct Reading {
     pub timing: Timing,
     /// Beginning of the columns' names; `None` for `txl1_x` and so on.
     pub prefix: Option<String>,
+    /// A recipe for the whole skin, in place of a prefix.
+    pub recipe: Option<RecipePlan>,
 }
 
 impl Reading {
     /// Columns of the recording that are taken.
     #[must_use]
     pub fn take<'a>(&'a self, columns: &'a Columns) -> Take<'a> {
-        match self.prefix.as_deref() {
-            Some(prefix) => Take::Counted(prefix, columns.count()),
-            None => Take::Taxels(columns),
+        match (&self.recipe, self.prefix.as_deref()) {
+            (Some(recipe), _) => Take::Recipe(recipe),
+            (None, Some(prefix)) => Take::Counted(prefix, columns.count()),
+            (None, None) => Take::Taxels(columns),
         }
     }
 }

@@ -1,0 +1,338 @@
+//! `hil import`: a recipe proposed from a recording, with what was understood and assumed, and pictures of the skin.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use palpate_files::{
+    FileKind, Loaded, Proposal, REFERENCE_ROWS, Recipe, RecipePlan, Rows, SensorLayout, Source,
+    Take, Timing, is_stream, plan_of, propose, said,
+};
+use palpate_live::output::{note, print, write_file};
+use palpate_run::Failure;
+
+use super::rate::rate_of;
+use super::skin_picture::{Picture, strip};
+use crate::cli::ImportArgs;
+
+/// Rows from which the rest of the skin is told, at most: those that `hil contacts` takes for its reference.
+const FIRST: usize = REFERENCE_ROWS as usize;
+/// Frames that are kept for a strip, at least; twice as many at most.
+const KEPT: usize = 16;
+/// A change that is more than noise, counts at least.
+const LEAST: f64 = 8.0;
+/// A change that is more than noise, in deviations of the first rows.
+const SIGMAS: f64 = 6.0;
+
+/// Proposes a recipe and shows what it makes of the recording.
+///
+/// # Errors
+/// [`Failure`] for a file that holds no table, and for one that its recipe cannot read.
+pub fn import(args: &ImportArgs) -> Result<(), Failure> {
+    let typed = Timing {
+        column: args.time.clone(),
+        rate_hz: match args.time {
+            Some(_) => None,
+            None => rate_of(args.rate, std::slice::from_ref(&args.file))?.hz,
+        },
+        gain: args.gain,
+        ..Timing::default()
+    };
+    if let Some(out) = &args.out {
+        refuse(out, args.force)?;
+    }
+    let layout =
+        args.layout
+            .as_deref()
+            .map(|name| match FileKind::Layout.names().contains(&name) {
+                true => Ok(name.to_owned()),
+                false => whole(Path::new(name)),
+            });
+    let layout = layout.transpose()?;
+    let recording = recording(args)?;
+    let proposal = propose(&args.file, &recording, layout.as_deref(), &typed)?;
+    let recipe: Loaded<Recipe> = Loaded::read(Source::new("the proposed recipe", &*proposal.text))?;
+    let (plan, sensor) = plan_of(&recipe)?;
+    let timing = Timing {
+        column: recipe.value.clock(),
+        rate_hz: recipe.value.rate_hz,
+        ..Timing::default()
+    };
+    let survey = Survey::of(args, &plan, &timing, &sensor)?;
+    print(|out| {
+        tell(&proposal, &survey, out)?;
+        pictures(&survey, &sensor, out)
+    })?;
+    match &args.out {
+        Some(path) => {
+            write_file(path, |out| out.write_all(proposal.text.as_bytes()))?;
+            note(&format!(
+                "wrote {}; `hil contacts {0}` reads the recording by it",
+                path.display()
+            ));
+            Ok(())
+        }
+        None => print(|out| {
+            write!(
+                out,
+                "\nThe recipe (--out FILE writes it):\n\n{}",
+                proposal.text
+            )
+        }),
+    }
+}
+
+/// The recording as its recipe names it: by its name, where they lie in one folder.
+fn recording(args: &ImportArgs) -> Result<String, Failure> {
+    let folder = |path: &Path| path.parent().map(Path::to_path_buf);
+    let is_beside = args
+        .out
+        .as_ref()
+        .is_none_or(|out| folder(out) == folder(&args.file));
+    match args.file.file_name().filter(|_| is_beside) {
+        Some(name) => Ok(name.to_string_lossy().into_owned()),
+        None => whole(&args.file),
+    }
+}
+
+/// A path that holds from any folder.
+fn whole(path: &Path) -> Result<String, Failure> {
+    let there = std::fs::canonicalize(path);
+    let there = there.map_err(|e| Failure::Input(format!("{}: {}", path.display(), said(&e))))?;
+    Ok(there.display().to_string())
+}
+
+/// Refuses, before anything is read, a file that is there.
+fn refuse(out: &Path, force: bool) -> Result<(), Failure> {
+    match out.exists() && !force && !is_stream(out) {
+        false => Ok(()),
+        true => Err(Failure::Input(format!(
+            "{}: expected a file that is not there yet; --force overwrites it",
+            out.display()
+        ))),
+    }
+}
+
+/// Figures of a whole recording.
+struct Survey {
+    notes: Vec<String>,
+    rows: usize,
+    span_us: u64,
+    /// Rows at the beginning in which nothing changes.
+    at_rest: usize,
+    least: u16,
+    most: u16,
+    /// Largest change of each taxel, in counts.
+    largest: Vec<f64>,
+    /// Some frames, evenly spread: time in microseconds and the change of each taxel.
+    frames: Vec<(u64, Vec<f64>)>,
+}
+
+/// Mean and deviation of each reading over the first rows.
+struct Rest {
+    mean: Vec<f64>,
+    threshold: f64,
+}
+
+impl Survey {
+    fn of(
+        args: &ImportArgs,
+        plan: &RecipePlan,
+        timing: &Timing,
+        sensor: &SensorLayout,
+    ) -> Result<Self, Failure> {
+        let axes = usize::from(sensor.axes);
+        let open = || Rows::open(&args.file, Take::Recipe(plan), Some(timing));
+        let rest = Rest::of(&mut open()?, axes)?;
+        let mut survey = Self {
+            notes: Vec::new(),
+            rows: 0,
+            span_us: 0,
+            at_rest: 0,
+            least: u16::MAX,
+            most: 0,
+            largest: vec![0.0; sensor.readings()],
+            frames: Vec::new(),
+        };
+        let (mut rows, mut row): (_, Vec<u16>) = (open()?, Vec::new());
+        let (mut every, mut first, mut is_at_rest) = (1, None, true);
+        while let Some(at) = rows.advance(&mut row)? {
+            let change = rest.change(&row, axes);
+            survey.least = row.iter().copied().fold(survey.least, u16::min);
+            survey.most = row.iter().copied().fold(survey.most, u16::max);
+            is_at_rest &= change.iter().all(|c| *c <= rest.threshold);
+            survey.at_rest += usize::from(is_at_rest);
+            for (largest, change) in survey.largest.iter_mut().zip(&change) {
+                *largest = largest.max(*change);
+            }
+            let begin = *first.get_or_insert(at.time_us);
+            survey.span_us = at.time_us - begin;
+            if survey.rows.is_multiple_of(every) {
+                survey.frames.push((survey.span_us, change));
+                if survey.frames.len() > 2 * KEPT {
+                    let mut odd = true;
+                    survey.frames.retain(|_| {
+                        odd = !odd;
+                        !odd
+                    });
+                    every *= 2;
+                }
+            }
+            survey.rows += 1;
+        }
+        survey.notes = rows.notes();
+        Ok(survey)
+    }
+}
+
+impl Rest {
+    fn of<R: io::Read>(rows: &mut Rows<R>, axes: usize) -> Result<Self, Failure> {
+        let (mut first, mut row): (Vec<Vec<u16>>, Vec<u16>) = (Vec::new(), Vec::new());
+        while first.len() < FIRST && rows.advance(&mut row)?.is_some() {
+            first.push(row.clone());
+        }
+        let columns = first.first().map_or(0, Vec::len);
+        // The median of the first rows bears a touch in fewer than half of them.
+        let mean = (0..columns)
+            .map(|c| {
+                let mut values: Vec<u16> = first.iter().map(|row| row[c]).collect();
+                values.sort_unstable();
+                f64::from(values[values.len() / 2])
+            })
+            .collect();
+        let mut rest = Self {
+            mean,
+            threshold: 0.0,
+        };
+        let mut changes: Vec<f64> = first
+            .iter()
+            .flat_map(|row| rest.change(row, axes))
+            .collect();
+        changes.sort_unstable_by(f64::total_cmp);
+        let usual = changes.get(changes.len() / 2).copied().unwrap_or(0.0);
+        rest.threshold = (usual * SIGMAS).max(LEAST);
+        Ok(rest)
+    }
+
+    /// How far each taxel is from rest, in counts.
+    fn change(&self, row: &[u16], axes: usize) -> Vec<f64> {
+        let of = |(values, mean): (&[u16], &[f64])| {
+            let squares = values
+                .iter()
+                .zip(mean)
+                .map(|(v, m)| (f64::from(*v) - m).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        row.chunks(axes)
+            .zip(self.mean.chunks(axes))
+            .map(of)
+            .collect()
+    }
+}
+
+fn tell(proposal: &Proposal, survey: &Survey, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "Understood")?;
+    for (word, text) in &proposal.understood {
+        entry(out, word, text)?;
+    }
+    let s = survey.span_us as f64 * 1e-6;
+    let rate = match survey.rows {
+        0 | 1 => 0.0,
+        rows => (rows - 1) as f64 / s.max(1e-9),
+    };
+    entry(
+        out,
+        "rate",
+        &format!(
+            "{rate:.1} rows per second: {} rows in {s:.3} s",
+            survey.rows
+        ),
+    )?;
+    entry(
+        out,
+        "counts",
+        &format!("from {} to {}", survey.least, survey.most),
+    )?;
+    let rest = match survey.at_rest {
+        0 => "none of the first rows: contacts need some at rest (--reference-frames)".to_owned(),
+        rows => format!("the first {rows} rows (hil contacts takes --reference-frames of them)"),
+    };
+    entry(out, "at rest", &rest)?;
+    survey
+        .notes
+        .iter()
+        .try_for_each(|text| entry(out, "note", text))?;
+    writeln!(out, "\nAssumed")?;
+    for assumed in &proposal.assumed {
+        entry(out, "", &format!("{} ({})", assumed.what, assumed.option))?;
+    }
+    Ok(())
+}
+
+/// A word and a text, the text broken at column 80.
+fn entry(out: &mut dyn Write, word: &str, text: &str) -> io::Result<()> {
+    let mut line = format!("  {word:<9}");
+    let mut length = line.len();
+    for part in text.split(' ') {
+        let part_length = part.chars().count() + 1;
+        if length + part_length > 80 && length > 11 {
+            writeln!(out, "{}", line.trim_end())?;
+            line = " ".repeat(11);
+            length = 11;
+        }
+        line.push(' ');
+        line.push_str(part);
+        length += part_length;
+    }
+    writeln!(out, "{}", line.trim_end())
+}
+
+/// The modules that changed most, each with its largest change and some frames.
+fn pictures(survey: &Survey, sensor: &SensorLayout, out: &mut dyn Write) -> io::Result<()> {
+    let mut begin = 0;
+    let mut parts = Vec::new();
+    for file in &sensor.modules {
+        let own = begin..begin + file.readings();
+        begin = own.end;
+        let points: Vec<[f64; 2]> = file
+            .taxels()
+            .iter()
+            .filter(|taxel| taxel.active)
+            .map(|taxel| [taxel.x_mm, taxel.y_mm])
+            .collect();
+        let most = survey.largest[own.clone()]
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        parts.push((most, file.name.as_str(), own, points));
+    }
+    let all = parts.len();
+    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    parts.truncate(SHOWN);
+    writeln!(
+        out,
+        "\nSkin, by the largest change of each taxel ({} of {all} modules)",
+        parts.len()
+    )?;
+    for (most, name, own, points) in &parts {
+        let picture = Picture::of(points);
+        writeln!(out, "  {name}: `@` is {most:.0} counts from rest")?;
+        for line in picture.lines(&survey.largest[own.clone()], *most) {
+            writeln!(out, "    {line}")?;
+        }
+    }
+    let Some((most, name, own, points)) = parts.first() else {
+        return Ok(());
+    };
+    writeln!(out, "\nFrames of {name}, seconds from the first row")?;
+    let frames: Vec<(u64, &[f64])> = survey
+        .frames
+        .iter()
+        .map(|(t, change)| (*t, &change[own.clone()]))
+        .collect();
+    strip(&Picture::of(points), &frames, *most)
+        .iter()
+        .try_for_each(|line| writeln!(out, "  {line}"))
+}
+
+/// Modules whose pictures are shown, at most.
+const SHOWN: usize = 4;
