@@ -69,6 +69,8 @@ mod sweep;
 mod test;
 #[path = "cli/texture.rs"]
 mod texture;
+#[path = "cli/texture_rate.rs"]
+mod texture_rate;
 
 use std::ffi::OsStr;
 use std::fs;
