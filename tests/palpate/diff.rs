@@ -221,7 +221,7 @@ fn told_of_tau_d(periods: f64) -> Vec<String> {
     let mut setup = palpate_files::Setup::load(scene, "emulated").unwrap();
     setup.scene.value.illusion.model = palpate_core::illusion::IllusionModel::Balanced;
     // So gently that no limit is met.
-    setup.bench.value.drive.current_ma = 850.0;
+    setup.bench.value.drive.current_ma = 550.0;
     let input = palpate_run::Input::Scene;
     let before = palpate_run::run(&setup, &input, 1).unwrap().trace;
     let period_ms = before.header.pre_scale.period_ns() as f64 * 1e-6;

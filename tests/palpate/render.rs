@@ -215,7 +215,7 @@ fn how_hard_a_contact_presses_is_heard_as_steps_that_can_be_noticed() {
         // The lightest of three levels is near the threshold of the typical person.
         let (breaks, onsets) = (outcome.summary.felt.breaks, outcome.summary.onsets.meant);
         assert!(
-            breaks.unwrap() * 20 <= onsets as u64,
+            breaks.unwrap() * 8 <= onsets as u64,
             "{weber}: {breaks:?} of {onsets}"
         );
         // Without the ramps and the first onsets, when wires are cold.

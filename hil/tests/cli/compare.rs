@@ -14,7 +14,7 @@ fn two_summaries_differ_figure_by_figure() {
     let folder = Folder::new("compare");
     summary(&folder, "a.json", &[]);
     summary(&folder, "again.json", &[]);
-    summary(&folder, "b.json", &["--set", "illusion.soa_ms=120"]);
+    summary(&folder, "b.json", &["--set", "illusion.soa_ms=119"]);
     let same = hil_in(&folder.0, &["compare", "a.json", "again.json"]);
     assert_eq!(
         (same.status, same.err.as_str()),
@@ -75,7 +75,7 @@ fn two_summaries_differ_figure_by_figure() {
             "a.json",
             "b.json",
             "--tolerance-percent",
-            "500",
+            "100",
             "--quiet",
         ],
     );
@@ -189,7 +189,7 @@ fn folders_of_a_run_stand_for_what_is_in_them() {
         assert_eq!(hil_in(&folder.0, &args).status, Some(0));
     };
     run("monday", &[]);
-    run("tuesday", &["-s", "illusion.soa_ms=120"]);
+    run("tuesday", &["-s", "illusion.soa_ms=119"]);
     run("again", &[]);
     let same = hil_in(&folder.0, &["compare", "monday", "again"]);
     assert_eq!(same.status, Some(0), "{}{}", same.out, same.err);
