@@ -212,17 +212,13 @@ fn how_hard_a_contact_presses_is_heard_as_steps_that_can_be_noticed() {
         setup.scene.value.illusion.weber = Some(weber);
         let outcome = played(&setup);
         assert_eq!(outcome.summary.limiter_events, 0, "{weber}");
-        // The lightest of three levels is near the threshold of the typical person.
-        let (breaks, onsets) = (outcome.summary.felt.breaks, outcome.summary.onsets.meant);
-        assert!(
-            breaks.unwrap() * 8 <= onsets as u64,
-            "{weber}: {breaks:?} of {onsets}"
-        );
         // Without the ramps and the first onsets, when wires are cold.
         let presses = setup.scene.value.touches.iter();
         let felt: Vec<f64> = presses
             .map(|touch| median_db(&outcome, [touch.start_s + 0.6, touch.end_s - 0.3]))
             .collect();
+        // The lightest press is near the threshold of the typical person, the others are above it.
+        assert!(felt[1..].iter().all(|db| *db > 0.0), "{weber}: {felt:?}");
         let steps = felt.windows(2).map(|pair| pair[1] - pair[0]);
         assert!(
             felt.len() == 3 && steps.clone().all(|step| step > NOTICED_DB),

@@ -80,7 +80,14 @@ fn a_touch_that_no_reading_shows_is_not_felt() {
 
 #[test]
 fn a_person_who_feels_less_than_half_decides() {
-    let found = of("sphere-along", &["length_s=4", "illusion.person=dull"]);
+    let found = of(
+        "sphere-along",
+        &[
+            "length_s=4",
+            "illusion.person=dull",
+            "illusion.model=phantom",
+        ],
+    );
     assert_eq!(found.verdict, Verdict::NotFelt, "{found:?}");
     assert!(
         found.why[0].starts_with("person `dull` feels "),

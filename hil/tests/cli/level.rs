@@ -93,7 +93,7 @@ fn a_level_that_no_wire_has_is_refused() {
         "illusion.level_db=30",
         &["illusion.level_db: expected at most 6.4 dB", ever],
     );
-    let weak = ["--set", "bench.drive.current_ma=300"];
+    let weak = ["--set", "bench.drive.current_ma=100"];
     let args = ["run", "sphere-along", "--set", "illusion.level_db=3"];
     refused_with(
         &[&args[..], &weak].concat(),
