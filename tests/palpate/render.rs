@@ -50,7 +50,7 @@ fn on_every_path_both_centroids_are_nearer_than_those_of_the_balanced_law() {
             };
             let (ours, theirs) = (of(IllusionModel::Inverse), of(IllusionModel::Balanced));
             assert_eq!(ours.summary.limiter_events, 0, "{scene} on {bench}");
-            // The taut wires of the other one are not felt by either law.
+            // The typical person feels little of the other one by either law.
             if bench == "emulated" {
                 let (ours, theirs) = (errors(&ours), errors(&theirs));
                 let nearer = ours.iter().zip(theirs).all(|(o, t)| *o < t && *o < 1.0);

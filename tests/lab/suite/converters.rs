@@ -30,10 +30,6 @@ fn a_run_that_is_killed_leaves_no_output_on_and_no_current_set() {
     let mut ward = Ward::open(&press, &["--bench", "set-current"]);
     let text = std::fs::read_to_string(ward.bench()).unwrap();
     let text = text.replace("current_ma = 990.0", "current_ma = 1970.0");
-    let text = text.replace(
-        r#"{ kind = "final-75um", alloy = "low" }"#,
-        r#"{ kind = "final-75um", alloy = "low" }"#,
-    );
     std::fs::write(ward.bench(), text + DAC).unwrap();
     let mut run = ward.run(&press, &[]);
     let node = ward.emulator.number().to_owned();
