@@ -4,7 +4,7 @@
 //! from frame T on relative frames (4.2) are made. The skin must be untouched until then.
 //!
 //! Beyond the thesis, for boards as they are: a threshold for every taxel from its own noise, a reference that is a state
-//! ([`super::rest`]), and a module that starts over where it was not at rest or its board was changed.
+//! (`rest.rs`), and a module that starts over where it was not at rest or its board was changed.
 
 use alloc::vec::Vec;
 
