@@ -41,7 +41,7 @@ const beyond = page => page.evaluate(() => {
 const broken = page => page.evaluate(() => {
   const found = [], walk = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT), range = document.createRange();
   for (let node = walk.nextNode(); node; node = walk.nextNode())
-    for (const { 0: number, index } of node.data.matchAll(/[+\u2212-]?\d[\d.]*\d/g)) {
+    for (const { 0: number, index } of node.data.matchAll(/(?<![a-z])[+\u2212-]?\d[\d.]*\d/g)) {
       range.setStart(node, index);
       range.setEnd(node, index + number.length);
       if (new Set([...range.getClientRects()].filter(box => box.width).map(box => Math.round(box.top))).size > 1) found.push(number);
