@@ -436,6 +436,13 @@ impl WornDisplay {
         self.others.iter_mut().map(move |other| other.onset(now))
     }
 
+    /// Most martensite of any wire now, in [0, 1]; `None` without wires.
+    pub fn martensite(&mut self) -> Option<f64> {
+        let now = self.now;
+        let wires = self.worn.wires.iter_mut();
+        wires.map(|wire| wire.fraction(now)).reduce(f64::max)
+    }
+
     /// Totals of the run until now.
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);

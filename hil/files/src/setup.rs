@@ -21,6 +21,7 @@ pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
 use palpate_core::guard::{Limits, Memory};
 use palpate_core::physics::WireParameters;
+use palpate_core::projector::HotPass;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -30,6 +31,18 @@ pub struct Stroked {
     pub surface: Option<TextureEntry>,
     /// From roughness to pulses.
     pub activation: Loaded<ActivationFile>,
+}
+
+/// Way of a run with the hot pass of its wires.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pass {
+    /// Cold wires are passed before the run.
+    #[default]
+    Before,
+    /// The run is the pass.
+    Itself(HotPass),
+    /// Wires begin as their file says, whatever that is.
+    LeftOut,
 }
 
 /// A scene on a bench, with everything they name.
@@ -65,6 +78,10 @@ pub struct Setup {
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
+    /// Way of the run with the hot pass of its wires.
+    pub pass: Pass,
+    /// Sentence for the run's records on the hot pass of its wires.
+    pub told: Option<String>,
     pub(super) observed: bool,
 }
 
@@ -133,6 +150,8 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            pass: Pass::default(),
+            told: None,
             observed: false,
         })
     }

@@ -3,13 +3,14 @@
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
-use palpate_files::Setup;
+use palpate_files::{Pass, Setup};
 use palpate_records::readings::Readings;
 use palpate_run::effort::Stopwatch;
 use palpate_run::{
-    Beginning, Failure, Host, Input, Keep, Outcome, Piece, TurnView, attachments, run_with,
+    Beginning, Failure, Host, Input, Keep, Outcome, Piece, TurnView, attachments, pass, run_with,
 };
 
+use crate::output::note;
 use crate::progress::Progress;
 use crate::record::{About, Sink};
 use crate::views::{Views, Wanted};
@@ -75,10 +76,14 @@ impl Host for Onlooker<'_> {
 
     fn begin(&mut self, run: &Beginning<'_>) -> Result<(), Failure> {
         self.views.begin(self.wanted, run)?;
+        let is_pass = matches!(run.setup.pass, Pass::Itself(_));
+        if is_pass && !self.wanted.quiet && !self.wanted.watch {
+            note(&pass::announced(run.setup));
+        }
         if self.views.are_open() && self.pace.is_none() {
             self.pace = Some(Pace::start()?);
         }
-        if self.records() {
+        if self.records() && !is_pass {
             let drives = run.setup.scene.value.drives;
             let readings = Readings::whole(run.projector.layout(), drives);
             let attached = attachments(run.setup);
@@ -121,6 +126,8 @@ impl Host for Onlooker<'_> {
     fn end(&mut self) {
         self.views = Views::default();
         self.progress = None;
+        // A run after this one has a clock of its own.
+        self.pace = None;
     }
 }
 

@@ -20,7 +20,7 @@ use palpate_records::trace::{Event, Header, event};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
-use crate::band::{Band, FeltBand};
+use crate::band::{Band, FeltBand, FeltCorner};
 use crate::boards;
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
@@ -248,6 +248,14 @@ impl EmulatedDisplay {
     /// where the true path is known.
     pub fn band(&self, known: bool) -> Option<FeltBand> {
         self.band.as_ref()?.finish(known)
+    }
+
+    /// Felt level and error by the state in which the wires began, where corners are compared; `known` where the true path
+    /// is known.
+    pub fn states(&self, known: bool) -> Vec<FeltCorner> {
+        self.band
+            .as_ref()
+            .map_or_else(Vec::new, |band| band.states(known))
     }
 
     /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.

@@ -25,6 +25,7 @@ mod header;
 mod heat;
 pub mod identify;
 pub mod join;
+mod known;
 mod levels;
 pub mod live;
 mod loops;
@@ -32,6 +33,7 @@ mod margins;
 mod numbers;
 mod onsets;
 mod output_enable;
+pub mod pass;
 mod path_error;
 pub mod picture;
 mod piece;
@@ -103,6 +105,7 @@ use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
 use effort::Effort;
+use pass::PassEnd;
 use picture::{State, Wants};
 
 /// Source of the sensor readings of a run.
@@ -152,6 +155,8 @@ pub struct Outcome {
     pub notes: Vec<String>,
     /// Outcomes of the fingers, where the bench has several displays; empty else.
     pub displays: Vec<DisplayOutcome>,
+    /// End of the hot pass, where the run was one on one display.
+    pub pass: Option<PassEnd>,
 }
 
 /// The run of one of several displays. Wires have the display's own numbers, boards and modules those of bench and skin.

@@ -3,6 +3,7 @@
 mod play;
 mod shared;
 
+use std::borrow::Cow;
 use std::convert::Infallible;
 use std::time::Duration as Elapsed;
 
@@ -27,7 +28,7 @@ use crate::replay::{CanPlayer, Rows};
 use crate::session::TICK;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;
-use crate::{Host, Input, Keep, Outcome, plan, skin};
+use crate::{Beginning, Host, Input, Keep, Outcome, TurnView, pass, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -41,6 +42,56 @@ pub fn run_with(
     host: &mut dyn Host,
 ) -> Result<Outcome, Failure> {
     refuse_hardware(&setup.bench.value)?;
+    let (setup, pass) = pass::before(setup, |own| {
+        let keep = Keep::default();
+        match host.looks_on() {
+            true => run_once(own, &Input::Scene, seed, keep, &mut Unrecorded(host)),
+            false => run_once(own, &Input::Scene, seed, keep, &mut ()),
+        }
+    })?;
+    let mut outcome = run_once(&setup, input, seed, keep, host)?;
+    outcome.summary.pass = pass;
+    Ok(outcome)
+}
+
+/// Setup of a session whose wires are passed first, where they need it.
+///
+/// # Errors
+/// As [`run_with`].
+pub(crate) fn passed(setup: &Setup, seed: u64) -> Result<Cow<'_, Setup>, Failure> {
+    let play = |own: &Setup| run_once(own, &Input::Scene, seed, Keep::default(), &mut ());
+    pass::before(setup, play).map(|(setup, _)| setup)
+}
+
+/// A host that looks on at a run without recording it.
+struct Unrecorded<'a>(&'a mut dyn Host);
+
+impl Host for Unrecorded<'_> {
+    fn looks_on(&self) -> bool {
+        self.0.looks_on()
+    }
+
+    fn begin(&mut self, run: &Beginning<'_>) -> Result<(), Failure> {
+        self.0.begin(run)
+    }
+
+    fn turn(&mut self, seen: &TurnView<'_>) -> bool {
+        self.0.turn(seen)
+    }
+
+    fn end(&mut self) {
+        self.0.end();
+    }
+}
+
+/// Runs a setup whose wires are as it says.
+fn run_once(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    keep: Keep,
+    host: &mut dyn Host,
+) -> Result<Outcome, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let responses = Responses::default();
     let run = Run {

@@ -3,6 +3,7 @@
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Booked, Memory, Used};
 use palpate_core::units::{Duration, Instant};
+use palpate_files::Pass;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
@@ -132,6 +133,8 @@ impl Player {
         let began = self.begins(now_ms);
         (self.memory, self.until) = (self.memory(began), began);
         setup.memory = Some(self.memory.clone());
+        // A pass is felt: none comes between the question of a trial and its answer.
+        setup.pass = Pass::LeftOut;
         let wanted = Wanted {
             desk: self.desk.as_ref(),
             quiet: true,

@@ -6,6 +6,7 @@ mod ends;
 mod heat;
 mod link;
 mod loops;
+mod passed;
 mod records;
 mod run;
 mod warden;
@@ -32,7 +33,7 @@ use palpate_run::place::{Place, fingers};
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, build, plan, scene_end, skin,
+    CanPlayer, Failure, Input, Outcome, RemoteHeat, Rows, build, pass, plan, scene_end, skin,
 };
 
 use crate::link::{RemoteUnit, UnitPlace};
@@ -60,6 +61,33 @@ pub fn run(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     dies_at_once();
+    let known = passed::known(setup)?;
+    let (after, report) = pass::before(&known, |own| {
+        if !wanted.quiet && !wanted.watch {
+            note(&pass::announced(own));
+        }
+        let wanted = Wanted {
+            files: &[],
+            quiet: true,
+            ..wanted
+        };
+        run_once(own, &Input::Scene, seed, wanted)
+    })?;
+    if let Some(report) = &report {
+        passed::keep(&after, report.has_passed)?;
+    }
+    let mut outcome = run_once(&after, input, seed, wanted)?;
+    outcome.summary.pass = report;
+    Ok(outcome)
+}
+
+/// Runs with wires that are as the setup says.
+fn run_once(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    wanted: Wanted<'_>,
+) -> Result<Outcome, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     match UnitPlace::of(&setup.bench)? {
         None => wired(setup, input, seed, signals, wanted),

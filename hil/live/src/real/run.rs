@@ -13,6 +13,7 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Event, Header, Ledger, event};
 use palpate_run::effort::Effort;
 use palpate_run::join::{Common, Part, join};
+use palpate_run::pass::{self, PassEnd};
 use palpate_run::place::Place;
 use palpate_run::plan::Responses;
 use palpate_run::{
@@ -170,7 +171,9 @@ impl<'a> Run<'a> {
         let several = !setup.fingers.is_empty();
         let found = found.lines().filter(|_| several);
         let found = found.map(|line| Event::note(Instant::ZERO, format!("{line}; switched off")));
-        let mut notes: Vec<Event> = found.collect();
+        let told = setup.told.as_ref();
+        let told = told.map(|told| Event::note(Instant::ZERO, format!("hot pass: {told}")));
+        let mut notes: Vec<Event> = found.chain(told).collect();
         records.add(notes.clone());
         if several {
             let begun = sessions.iter_mut().map(|s| s.recorder().events.clone());
@@ -300,8 +303,10 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     effort.finish(projector, recorder);
     summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
     let readings = recorder.readings.take();
+    let pass = PassEnd::of(projector, done.end, None);
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().tallies();
+    summary.felt.state = pass::state_of(setup);
     summary.unit = session.display().unit();
     summary.heat = session.display().heat();
     summary.can = reports(names.unwrap_or_default(), &tallies);
@@ -317,6 +322,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
         i2c: Vec::new(),
         notes: Vec::new(),
         displays: Vec::new(),
+        pass,
         failure,
     }
     .concluded(setup, false)

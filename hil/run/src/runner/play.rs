@@ -23,6 +23,7 @@ use crate::header::header;
 use crate::join::{Part, join};
 use crate::levels::known_levels;
 use crate::loops::build_with;
+use crate::pass::{self, PassEnd};
 use crate::piece::Pieces;
 use crate::place::{Place, fingers};
 use crate::policy::Policy;
@@ -106,6 +107,7 @@ impl<'a> Finger<'a> {
             end,
             display: self.place.name.as_deref(),
         })?;
+        self.session.recorder().begin(self.run.setup);
         // The policy waits for boards that do not answer, so this cannot fail.
         let _ = self.session.start(Instant::ZERO);
         Ok(())
@@ -238,6 +240,8 @@ impl<'a> Finger<'a> {
         }
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
+        let martensite = display.hardware().martensite();
+        let pass = PassEnd::of(projector, end, martensite);
         summary.faults = display.faults();
         summary.unit = display.unit();
         summary.heat = display.heat();
@@ -246,7 +250,10 @@ impl<'a> Finger<'a> {
             let missing = -plan::strongest(setup, projector)?;
             summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
         }
-        summary.felt.band = display.band(summary.path_error_mm.is_some());
+        let known = summary.path_error_mm.is_some();
+        summary.felt.band = display.band(known);
+        summary.felt.states = display.states(known);
+        summary.felt.state = pass::state_of(setup);
         Ok(Outcome {
             readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
@@ -259,6 +266,7 @@ impl<'a> Finger<'a> {
             can: Vec::new(),
             notes: Vec::new(),
             displays: Vec::new(),
+            pass,
         })
     }
 }
