@@ -5,7 +5,7 @@ use super::{Alloy, ParameterError, WireParameters, check, finite, not_negative, 
 /// The R phase of an alloy: austenite cools to it, and it cools to martensite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RPhase {
-    /// Its bands and their rise with stress. Heating and cooling bands may overlap (a hysteresis narrower than they are)
+    /// Bands of R and their rise with stress. Heating and cooling bands may overlap (a hysteresis narrower than they are)
     /// or coincide (none), but may not cross.
     pub bands: Alloy,
     /// Strain of a wire that is all R, against austenite, 1; positive is longer.

@@ -16,15 +16,15 @@ use super::rest::Rest;
 use super::scan::Scan;
 use crate::units::Instant;
 
-/// What a taxel may move beyond its noise while its reference is collected: counts, and counts per second of drift.
+/// Motion of a taxel beyond its noise that is allowed while its reference is collected: counts, and counts per second of drift.
 const REST_COUNTS: f32 = 10.0;
 const STEEPEST: f32 = 30.0;
-/// So many references are begun before a module does without the taxels that do not come to rest.
+/// References that are begun before a module does without the taxels that do not come to rest.
 const PATIENCE: u32 = 50;
 /// Corrections of the reference in which a taxel's noise is still listened to.
 const LISTENS: u32 = 257;
 
-/// Where the baseline stands.
+/// Phase of the baseline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BaselinePhase {
     /// Still taking reference frames: no relative frame yet.
@@ -50,7 +50,7 @@ pub struct Baseline {
     restless: Vec<u32>,
     /// Frames in which a module had not come to rest.
     unrest: u32,
-    /// Whether a module is starting over.
+    /// True if a module is starting over.
     restarting: bool,
     rest: Option<Rest>,
     active: Vec<bool>,
@@ -177,7 +177,7 @@ impl Baseline {
         }
     }
 
-    /// Whether a module was moved by more than noise and drift while its reference was collected; where it never comes to
+    /// True if a module was moved by more than noise and drift while its reference was collected; where it never comes to
     /// rest, some of its taxels are ill, and those at rest have to do.
     fn is_restless(&mut self, module: usize, now: Instant) -> bool {
         if self.rest.is_none() {
@@ -202,7 +202,7 @@ impl Baseline {
         false
     }
 
-    /// Whether a taxel that counts moved by more than noise and `drift` counts while its reference was collected.
+    /// True if a taxel that counts moved by more than noise and `drift` counts while its reference was collected.
     fn has_moved(&self, taxel: usize, drift: f32) -> bool {
         self.active[taxel]
             && !self.faulty[taxel]
@@ -380,7 +380,7 @@ impl Baseline {
         Ok(())
     }
 
-    /// As [`Baseline::advance`] with the reference as it is. Where that is a state, the taxels in contact are those of the
+    /// Advances as [`Baseline::advance`] does, with the reference as it is. Where that is a state, the taxels in contact are those of the
     /// newest scan that was advanced to.
     ///
     /// # Errors
@@ -436,12 +436,12 @@ impl Baseline {
         }
     }
 
-    /// Whether a module is starting over.
+    /// True if a module is starting over.
     #[cfg(target_has_atomic = "ptr")]
     pub(crate) const fn is_restarting(&self) -> bool {
         self.restarting
     }
-    /// Whether the reference follows drift.
+    /// True if the reference follows drift.
     pub fn follows_drift(&self) -> bool {
         self.settings.drift.is_some()
     }
@@ -449,11 +449,11 @@ impl Baseline {
     pub const fn unrest(&self) -> u32 {
         self.unrest
     }
-    /// How often a module's readings fell below its reference without a touch: the skin was touched when it was taken.
+    /// Number of times that a module's readings fell below its reference without a touch: the skin was touched when it was taken.
     pub fn taken_touched(&self) -> u32 {
         self.rest.as_ref().map_or(0, Rest::taken_touched)
     }
-    /// Where it stands.
+    /// Phase of the baseline.
     pub fn phase(&self) -> BaselinePhase {
         self.phase
     }

@@ -38,7 +38,7 @@ const ENDED: f32 = 0.5;
 const STEP_REST_S: f32 = 1.0;
 /// Share of a difference along which a reading below its reference is no touch.
 const BELOW: f32 = 0.7;
-/// What a taxel's own rate takes of a deviation: critically damped with the share that the reference takes. Learnt while
+/// Share that a taxel's own rate takes of a deviation: critically damped with the share that the reference takes. Learnt while
 /// the module drifts by more than so many counts per second, and up to so much of it.
 const STEER: f32 = 0.5;
 const SLOWEST: f32 = 1.5;
@@ -68,14 +68,14 @@ pub(super) struct Rest {
     limits: Vec<f32>,
     /// Counts that the last touch may have left.
     left: Vec<f32>,
-    /// What a taxel drifts more than the module does, as a share of that.
+    /// Drift of a taxel beyond its module's, as a share of that.
     gains: Vec<[f32; 3]>,
     touched: Vec<bool>,
-    /// Whether it was below its reference at the last correction.
+    /// True if the taxel was below its reference at the last correction.
     under: Vec<bool>,
     followed: Option<Instant>,
     corrections: u32,
-    /// How often the reference of a module proved to have been taken while it was touched.
+    /// Number of times that the reference of a module proved to have been taken while it was touched.
     taken_touched: u32,
     /// A module whose reference was.
     wrong: Option<usize>,
@@ -108,12 +108,12 @@ impl Rest {
         &self.limits
     }
 
-    /// How often a module's reference proved to have been taken while it was touched.
+    /// Number of times that a module's reference proved to have been taken while it was touched.
     pub(super) const fn taken_touched(&self) -> u32 {
         self.taken_touched
     }
 
-    /// Whether a taxel is touched.
+    /// True if a taxel is touched.
     pub(super) fn touches(&self, taxel: usize) -> bool {
         self.touched[taxel]
     }
@@ -261,7 +261,7 @@ impl Rest {
         }
     }
 
-    /// As [`Self::decide`], of one module; returns whether any taxel beyond its limit is not touched.
+    /// Decides as [`Self::decide`] does, for one module; returns whether any taxel beyond its limit is not touched.
     fn decide_module(&mut self, m: usize, reference: &Reference, frame: &RelativeFrame) -> bool {
         let contacts = frame.contacts_of(m);
         let of = &mut self.modules[m];
@@ -341,7 +341,7 @@ impl Rest {
         true
     }
 
-    /// How far a module drifted together since the last correction, counts along x, y, z.
+    /// Distance that a module drifted together since the last correction, counts along x, y, z.
     fn common(
         &mut self,
         m: usize,

@@ -1,4 +1,4 @@
-//! What is known of a module as a whole: its common drift, its touch, and doubts about its board and its reference.
+//! State of a module as a whole: its common drift, its touch, and doubts about its board and its reference.
 
 use core::ops::Range;
 
@@ -8,15 +8,15 @@ pub(super) struct Together {
     pub(super) range: Range<usize>,
     /// Common drift, counts per second.
     pub(super) rate: [f32; 3],
-    /// Whether it is touched.
+    /// True while the module is touched.
     pub(super) open: bool,
     /// Corrections of its reference so far.
     pub(super) corrections: u32,
     /// The only taxel that the newest frame brought into contact, with a leap.
     pub(super) pending: Option<u32>,
-    /// Whether such a leap was gone with the next frame: from then on one counts when it stays.
+    /// True once a lone leap was gone with the next frame: from then on a leap counts when it stays.
     pub(super) wary: bool,
-    /// Whether one waits for that in the newest frame.
+    /// True while a lone leap of the newest frame waits for the next one.
     pub(super) waits: bool,
     /// Time without untouched taxels, s; negative after a common step.
     pub(super) unknown_s: f32,
@@ -24,7 +24,7 @@ pub(super) struct Together {
     pub(super) peak: f32,
     pub(super) strength: f32,
     pub(super) still_s: f32,
-    /// Whether its board may be another one than before.
+    /// True if the module may have another board than before.
     pub(super) doubt: bool,
     /// Corrections in a row in which a taxel was below its reference without a touch.
     pub(super) below: u32,

@@ -97,7 +97,7 @@ pub enum Take<'a> {
     },
 }
 
-/// What the name of a joint's column begins with.
+/// Beginning of the name of a joint's column.
 pub const JOINT: &str = "joint_";
 
 impl Take<'_> {
@@ -110,7 +110,7 @@ impl Take<'_> {
         }
     }
 
-    /// How the text is known to be written.
+    /// Separator and decimal mark of the text, as far as they are known.
     pub(super) fn writing(self) -> Writing {
         match self {
             Self::Recipe(plan) => plan.writing,

@@ -13,7 +13,7 @@ pub(super) struct Dialect {
     pub(super) decimal_comma: bool,
 }
 
-/// What is known of how a table is written, before it is looked at.
+/// Separator and decimal mark of a table, as far as they are known before it is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Writing {
     /// The separator, as in [`Dialect`].

@@ -27,7 +27,7 @@ impl Gain {
         Self { per_unit, at_zero }
     }
 
-    /// The same for values of an axis that may count the other way.
+    /// Turns the gain for values of an axis that may count the other way.
     pub(super) fn turned(self, is_opposite: bool) -> Self {
         let sign = if is_opposite { -1.0 } else { 1.0 };
         Self::new(self.per_unit * sign, self.at_zero)

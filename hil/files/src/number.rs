@@ -2,7 +2,7 @@
 
 /// A number that a table may hold.
 pub trait Number: Sized {
-    /// What messages call it.
+    /// Name of the kind of number in messages.
     const EXPECTED: &'static str;
 
     /// The number in a field.

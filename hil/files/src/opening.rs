@@ -1,4 +1,4 @@
-//! How a table begins: remarks, a heading or none, and the first rows, by which the rest is read.
+//! The beginning of a table: remarks, a heading or none, and the first rows, by which the rest is read.
 
 use std::io::Read;
 

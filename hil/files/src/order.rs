@@ -10,12 +10,12 @@ pub(super) struct Group {
     pub(super) pattern: String,
     /// Places in the file, in the order of the numbers and, within a number, of the axes.
     pub(super) places: Vec<usize>,
-    /// Whether the names say the axis.
+    /// True if the names say the axis.
     pub(super) has_axes: bool,
 }
 
 impl Group {
-    /// Whether the file has them in another order.
+    /// True if the file has the columns in another order.
     pub(super) fn is_mended(&self) -> bool {
         !self.places.is_sorted()
     }
@@ -122,10 +122,10 @@ fn woven(axes: &[&[(Vec<u64>, usize)]]) -> Vec<usize> {
     (0..count).flat_map(of).collect()
 }
 
-/// What makers call values that they have computed from counts.
+/// Names that makers give to values that they have computed from counts.
 const COMPUTED: [&str; 4] = ["force", "newton", "calib", "temp"];
 
-/// Whether a name is one of values that were computed from counts.
+/// True if a name is one of values that were computed from counts.
 pub(super) fn is_computed(name: &str) -> bool {
     let lower = name.to_lowercase();
     COMPUTED.iter().any(|word| lower.contains(word))

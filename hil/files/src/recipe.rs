@@ -46,7 +46,7 @@ pub enum ColumnOrder {
     AxesFirst,
 }
 
-/// How a recording is to be read.
+/// A recipe: columns, modules, units and times of a recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -114,7 +114,7 @@ pub struct RecipeModule {
     /// Taxels of the file that the layout does not have, by the numbers in their names; without numbers, counted from 0.
     #[serde(default)]
     pub without: Vec<u64>,
-    /// How far the module is turned to the left against its maker's picture: 0, 90, 180 or 270.
+    /// Turn of the module to the left against its maker's picture, degrees: 0, 90, 180 or 270.
     #[serde(default)]
     pub turned_deg: u16,
     /// Left and right exchanged against the maker's picture, before the turn.
@@ -224,7 +224,7 @@ impl Recipe {
         Some(Gain::new(gain, module.offset.unwrap_or(self.offset)))
     }
 
-    /// How its text is written, as far as it says so.
+    /// Separator and decimal mark of the recording, as far as the recipe states them.
     pub(super) fn writing(&self) -> Writing {
         let separator = |delimiter: Delimiter| match delimiter {
             Delimiter::Comma => Some(b','),

@@ -13,7 +13,7 @@ use super::taken::{Taken, Turns, Wrong, numbered, shown};
 /// A recipe for the modules of a layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecipePlan {
-    /// How its text is written.
+    /// Separator and decimal mark of the recording, as far as the recipe states them.
     pub(super) writing: Writing,
     /// The column that names the sensor of a row.
     sensor_column: Option<String>,

@@ -77,7 +77,7 @@ kinds! {
     Quarantine = "quarantine" "quarantines" "a quarantine",
     /// A study with people.
     Protocol = "protocol" "protocols" "a protocol" protocol protocol_names,
-    /// How a recording is read.
+    /// A recipe for a recording.
     Recording = "recording" "recordings" "a recipe of a recording",
 }
 

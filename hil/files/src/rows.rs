@@ -104,7 +104,7 @@ fn table(
 /// The beginning of a file's table, and what is to be said of the file.
 ///
 /// # Errors
-/// As [`Rows::open`].
+/// The errors of [`Rows::open`].
 pub(super) fn opened(path: &Path) -> Result<(Opening, Option<String>), FileError> {
     let (text, note) = table(path, 0, 0)?;
     Ok((

@@ -270,7 +270,7 @@ pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
 /// A recipe held against the layout that it names, and the layout.
 ///
 /// # Errors
-/// What cannot be in its layout, or does not fit the recipe.
+/// A layout that cannot be, or that does not fit the recipe.
 pub fn plan_of(recipe: &Loaded<Recipe>) -> Result<(RecipePlan, SensorLayout), FileError> {
     let Loaded { value, source } = recipe;
     let LayoutFile::Sensor(layout) = recipe.refer::<LayoutFile>(&value.layout, "layout")?.value

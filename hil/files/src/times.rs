@@ -24,7 +24,7 @@ const FAST_US: u64 = 100;
 const STRAY_US: u64 = 2_000_000;
 const STRAY_STEPS: u64 = 100;
 
-/// What a column of times counts.
+/// Unit of a column of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]

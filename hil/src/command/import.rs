@@ -213,7 +213,7 @@ impl Rest {
         Ok(rest)
     }
 
-    /// How far each taxel is from rest, in counts.
+    /// Distance of each taxel from rest, counts.
     fn change(&self, row: &[u16], axes: usize) -> Vec<f64> {
         let of = |(values, mean): (&[u16], &[f64])| {
             let squares = values

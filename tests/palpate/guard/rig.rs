@@ -112,7 +112,7 @@ impl Parameters {
         Self { wire, ..self }
     }
 
-    /// The same with a wire of another size, on a finger of another temperature at rest.
+    /// Makes the wire another size, on a finger of another temperature at rest.
     pub fn sized(self, wire: WireParameters, rest_c: f64) -> Self {
         let wire = WireParameters {
             diameter_m: wire.diameter_m,
@@ -133,7 +133,7 @@ impl Parameters {
         WornWire::new(&self.wire, &self.skin)
     }
 
-    /// The same with chips on an external clock, anywhere within its tolerance.
+    /// Puts the chips on an external clock, anywhere within its tolerance.
     pub fn clocked(self, s: &mut RandomStream) -> Self {
         let hz = pick(s, 4e6, f64::from(Clock::MOST_HZ));
         let ppm = pick(s, 0.0, f64::from(Clock::MOST_PPM));

@@ -41,7 +41,7 @@ impl Reading {
 /// pass; a stream cannot be.
 ///
 /// # Errors
-/// As [`Rows::open`] and [`Rows::advance`], and a stream that is too long.
+/// The errors of [`Rows::open`] and [`Rows::advance`], and a stream that is too long.
 pub fn read_taxel_csv(
     path: &Path,
     columns: &Columns,
