@@ -22,6 +22,8 @@ class Page {
     by("pad").setAttribute("role", "img");
     by("pad").setAttribute("aria-label", "The robot's skin: readings of all taxels and contacts");
     by("stop").addEventListener("click", () => this.stop());
+    by("rezero").addEventListener("click", () => this.link.send({ rezero: true }));
+    by("hot-pass").addEventListener("click", () => this.link.send({ hot_pass: true }));
     by("which-display").addEventListener("change", event => this.look(+event.target.value));
     this.link = new Link(message => this.hear(message), up => this.stand(up));
     addEventListener("sized", () => this.draw());
@@ -44,7 +46,7 @@ class Page {
     if (!fresh) return;
     Object.assign(this, { missed: 0, lost: null, over: false });
     by("over").hidden = true;
-    by("stop").disabled = false;
+    this.enable(true);
     by("stop").textContent = "STOP";
     this.open(hello.heads[this.display] ?? hello.heads[0]);
   }
@@ -116,7 +118,7 @@ class Page {
     if (this.over) return;
     by("line").classList.toggle("lost", !up);
     put("line", up ? "connected" : unlinked(this.run));
-    by("stop").disabled = !up;
+    this.enable(up);
     if (!up && this.picture) this.lost ??= true;
   }
 
@@ -132,8 +134,12 @@ class Page {
     by("over").hidden = false;
     put("over", `The run is over. ${line}`);
     put("line", "over");
-    by("stop").disabled = true;
+    this.enable(false);
     by("stop").textContent = "STOP";
+  }
+
+  enable(on) {
+    for (const id of ["stop", "rezero", "hot-pass"]) by(id).disabled = !on;
   }
 }
 

@@ -12,6 +12,7 @@ use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Ticks};
 
+use super::pass::Passing;
 use super::strokes::Strokes;
 use super::texture::Carrier;
 use super::update::Update;
@@ -96,9 +97,10 @@ pub struct Output {
     renderer: Option<Renderer>,
     pub(super) strokes: Strokes,
     texture: Option<Texture>,
+    pub(super) pass: Option<Passing>,
     pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
-    widths: Box<[Ticks]>,
+    pub(super) widths: Box<[Ticks]>,
     /// Time for which each wire is on, where nothing else says.
     lengths: Box<[Duration]>,
     /// Stimuli of one board at one onset.
@@ -124,6 +126,7 @@ impl Output {
             mixer: Mixer::new(settings.illusion, settings.sharing, n),
             strokes: Strokes::new(&settings.strokes),
             texture: None,
+            pass: None,
             renderer: (settings.render).map(|render| Renderer::new(render, &guard, n)),
             guard,
             lengths: vec![settings.timing.duration; n].into(),
@@ -289,6 +292,11 @@ impl Output {
             observer.onset(onset, &[target]);
             return Ok(true);
         }
+        if self.is_due(now)
+            && let Some(wire) = self.pass_due(now, targets, texture)
+        {
+            return self.heat(now, wire, actuators, observer);
+        }
         if self.texture.as_ref().is_some_and(Texture::is_alone) {
             return self.run(now, texture, actuators, observer);
         }
@@ -394,7 +402,7 @@ impl Output {
     }
 
     /// Puts the wires' stimuli through the guard and out, from an onset to an end or to each wire's own.
-    fn render<U: Update, A: Actuators<U> + ?Sized>(
+    pub(super) fn render<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         (onset, until): (Instant, Option<Instant>),
@@ -405,6 +413,7 @@ impl Output {
             let count = self.collect(now, Board(board), (onset, until));
             let (guard, stimuli) = (&mut self.guard, &self.stimuli[..count]);
             let update = U::begin(guard, onset, Board(board), stimuli, |entry| {
+                self.pass.iter_mut().for_each(|pass| pass.answer(&entry));
                 observer.entry(&entry);
             });
             self.apply(update, onset, actuators)?;
@@ -427,7 +436,7 @@ impl Output {
     }
 
     /// The newest grid point not later than `now`; the next onset is the one after it.
-    fn advance_grid(&mut self, now: Instant) -> Instant {
+    pub(super) fn advance_grid(&mut self, now: Instant) -> Instant {
         let soa = self.timing.soa.as_micros();
         let late = now.since(self.next_onset).as_micros() / soa;
         let onset = self.next_onset + Duration::from_micros(late.saturating_mul(soa));

@@ -10,7 +10,7 @@ const HEADROOM: f32 = 1.12;
 /// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
 /// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 33 ticks.
 ///
-/// The emulators computed it for wires `passed-50um` at 1.2 A, as they do for each run (`hil/run/src/plan/response.rs`). A
+/// The emulators computed it for wires `loose-50um` at 1.2 A, as they do for each run (`hil/run/src/plan/response.rs`). A
 /// test of `palpate-tests` computes it anew and compares to the bit.
 const THIN_8MM: [(u16, f32); 10] = [
     (0, 0.0),

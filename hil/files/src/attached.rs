@@ -6,7 +6,7 @@ use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::loaded::Loaded;
 use super::overrides::Overrides;
 use super::scene::Scene;
-use super::setup::Setup;
+use super::setup::{Pass, Setup};
 use super::source::Source;
 use palpate_core::units::Duration;
 
@@ -65,6 +65,8 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            pass: Pass::default(),
+            told: None,
             observed: false,
             scene,
             bench,

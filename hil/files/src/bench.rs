@@ -178,6 +178,8 @@ settings! {
         /// Time between onsets in milliseconds where the illusion is `inverse` and a scene states none; left out:
         /// 117.
         pub soa_ms: Option<f64>,
+        /// A hot pass of wires that begin `cold`, before the scene: each is heated once until it is austenite.
+        pub hot_pass: bool = true,
         /// Speed of the clock that counts, over its nominal frequency: the chip's oscillator, or `clock`. Emulated
         /// benches only.
         pub oscillator: f64 = 1.0,

@@ -17,6 +17,9 @@ const FACT: &str = "nothing beside the file: on hardware it is a fact that the g
 /// Keys that address the hardware and describe none of it.
 const ADDRESSES: [&str; 2] = ["unit.address", "unit.key"];
 
+/// Choices that no limit depends on.
+const CHOICES: [&str; 1] = ["drive.hot_pass"];
+
 impl Loaded<Bench> {
     /// The bench read again with these changes. Of a bench of hardware they may only tighten a limit.
     ///
@@ -48,7 +51,8 @@ const LIMITS: [&str; 5] = [
 /// Names the option and key.
 fn refuse_facts(changed: &Source) -> Result<(), FileError> {
     let mut keys = changed.changes().iter().map(|change| change.key.as_str());
-    let fact = keys.find(|key| !(LIMITS.contains(key) || ADDRESSES.contains(key)));
+    let fact = keys
+        .find(|key| !(LIMITS.contains(key) || ADDRESSES.contains(key) || CHOICES.contains(key)));
     fact.map_or(Ok(()), |key| Err(changed.bad(key, FACT)))
 }
 
@@ -105,7 +109,7 @@ fn tightened(
             let insists = "true: on hardware real-time priority can only be insisted on";
             (new.realtime != Some(true)).then(|| insists.into())
         }
-        // The key is an address, which may change.
+        // The key is an address or a choice, which may change.
         _ => None,
     })
 }

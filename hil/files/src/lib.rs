@@ -131,7 +131,7 @@ pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{Finger, Setup, Stroked, plan_of, sensor_of};
+pub use setup::{Finger, Pass, Setup, Stroked, plan_of, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;

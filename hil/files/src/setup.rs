@@ -23,6 +23,7 @@ pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
 use palpate_core::guard::{Limits, Memory};
 use palpate_core::physics::WireParameters;
+use palpate_core::projector::HotPass;
 use palpate_core::units::Duration;
 
 /// Surface and activation that a scene's texture names.
@@ -32,6 +33,31 @@ pub struct Stroked {
     pub surface: Option<TextureEntry>,
     /// The map from roughness to pulses.
     pub activation: Loaded<ActivationFile>,
+}
+
+/// Way of a run with the hot pass of its wires.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pass {
+    /// Cold wires are passed before the run.
+    #[default]
+    Before,
+    /// The run is the pass.
+    Itself(HotPass),
+    /// The run is the pass, on an emulated skin: readings of what follows come from elsewhere.
+    Apart(HotPass),
+    /// Wires begin as their file says, whatever that is.
+    LeftOut,
+}
+
+impl Pass {
+    /// The pass that a run is; `None` for a run of a scene.
+    #[must_use]
+    pub const fn itself(self) -> Option<HotPass> {
+        match self {
+            Self::Itself(pass) | Self::Apart(pass) => Some(pass),
+            Self::Before | Self::LeftOut => None,
+        }
+    }
 }
 
 /// A scene on a bench, with everything they name.
@@ -67,6 +93,10 @@ pub struct Setup {
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
+    /// Way of the run with the hot pass of its wires.
+    pub pass: Pass,
+    /// Sentence for the run's records on the hot pass of its wires.
+    pub told: Option<String>,
     pub(super) observed: bool,
 }
 
@@ -135,6 +165,8 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            pass: Pass::default(),
+            told: None,
             observed: false,
         })
     }

@@ -6,8 +6,9 @@ use palpate_buses::signals::Signals;
 use palpate_files::Setup;
 use palpate_records::readings::Readings;
 use palpate_run::effort::Stopwatch;
+use palpate_run::pass::PassReport;
 use palpate_run::{
-    Beginning, Failure, Host, Input, Keep, Outcome, Piece, TurnView, attachments, run_with,
+    Beginning, Failure, Host, Input, Keep, Outcome, Piece, TurnView, Wish, attachments, run_with,
 };
 
 use crate::progress::Progress;
@@ -37,6 +38,23 @@ pub fn run(
     let outcome = run_with(setup, input, seed, keep, &mut host)?;
     host.sinks.into_iter().try_for_each(Sink::finish)?;
     Ok(outcome)
+}
+
+/// Passes the wires of a setup that need it, with the wanted views. Returns the setup of what follows and, where there was a
+/// pass, the report on it.
+///
+/// # Errors
+/// The errors of [`run`].
+pub fn passed(
+    setup: &Setup,
+    seed: u64,
+    wanted: Wanted<'_>,
+) -> Result<(Setup, Option<PassReport>), Failure> {
+    let (after, report) = match setup.bench.value.is_hardware() {
+        true => real::passed(setup, &Input::Scene, seed, wanted)?,
+        false => palpate_run::passed(setup, seed)?,
+    };
+    Ok((after.into_owned(), report))
 }
 
 /// The host of an emulated run: a clock, and perhaps live views and records.
@@ -106,8 +124,8 @@ impl Host for Onlooker<'_> {
         self.views.turn(seen) || pace.signals.caught().is_some()
     }
 
-    fn rezero(&mut self) -> Option<bool> {
-        self.views.rezero()
+    fn wish(&mut self) -> Option<Wish> {
+        self.views.wish()
     }
 
     fn passed(&mut self, part: f64) -> bool {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Format;
 use palpate_run::picture::Wants;
-use palpate_run::{Beginning, Failure, TurnView};
+use palpate_run::{Beginning, Failure, TurnView, Wish};
 
 use crate::output::{Outputs, note};
 use crate::serve::{Desk, Live, LiveRun};
@@ -86,9 +86,10 @@ impl Views {
         self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
-    /// Tells whether a key asked for the reference to be taken anew since the last call; `true` asks by force.
-    pub fn rezero(&self) -> Option<bool> {
-        self.watch.as_ref()?.rezero()
+    /// Wish of a key or a page since the last call.
+    pub fn wish(&self) -> Option<Wish> {
+        let key = self.watch.as_ref().and_then(Watch::wish);
+        key.or_else(|| self.live.as_ref()?.wish())
     }
 
     /// Shows a turn. Returns whether those who look on want the run to end.

@@ -33,6 +33,7 @@ const screens = {
     const go = once(() => reply("read"));
     return [element("h1", "Ready?"), element("p", "Put your finger in place. Press the button, or the space bar, to begin."), button("Begin", go, " ")];
   },
+  pass: () => [element("h1", "The wires warm up"), element("p", "You feel each of them once, one after the other. Nothing is asked of you yet.")],
   consent: ({ text }) => {
     const answer = once(agreed => reply({ consent: agreed }));
     const box = element("input", "", { type: "checkbox", id: "agree" });

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
-use palpate_run::{Activations, EmulatedSession, Failure, Hand, Turn, header, plan};
+use palpate_run::{Activations, EmulatedSession, Failure, Hand, Turn, Wish, header, plan};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -93,6 +93,13 @@ impl State {
     fn session(&mut self) -> Result<&mut EmulatedSession, Failure> {
         let held = self.held.as_deref_mut().ok_or_else(closed)?;
         Ok(&mut held.session)
+    }
+
+    fn grant(&mut self, wish: Wish) -> Result<Happened, Failure> {
+        let session = self.session()?;
+        let now = session.now();
+        session.grant(wish, now);
+        self.happened()
     }
 
     fn now(&self) -> Result<u64, Failure> {
@@ -373,12 +380,12 @@ impl Loop {
 
     /// The reference of the skin is taken anew; not while anything is in contact, unless forced.
     fn rezero(&self, py: Python<'_>, forced: bool) -> PyResult<Happened> {
-        self.within(py, |state| {
-            let session = state.session()?;
-            let now = session.now();
-            palpate_run::rezero(session, now, forced);
-            state.happened()
-        })
+        self.within(py, |state| state.grant(Wish::Rezero { forced }))
+    }
+
+    /// The display was put on anew: its wires are passed at the next onsets without a contact.
+    fn hot_pass(&self, py: Python<'_>) -> PyResult<Happened> {
+        self.within(py, |state| state.grant(Wish::HotPass))
     }
 
     /// Sets the presses on a module from now on: x and y (mm), force (N), diameter (mm).

@@ -5,7 +5,7 @@
 //! flow. Gain and thresholds only shift levels: both channels are linear, and no wire has a threshold of its own. A
 //! loose wire leaves the skin as it does at the headline's gain.
 
-use palpate_core::physics::{Bow, WireParameters};
+use palpate_core::physics::{Bow, History, WireParameters, WireState};
 use palpate_emulators::person::channels::{Felt, Levels, Person};
 use palpate_emulators::worn::WornDisplay;
 use palpate_files::{Setup, load_person};
@@ -26,6 +26,8 @@ const PERSONS: [&str; 3] = ["dull", "sensitive", "typical"];
 /// Twelve corners of quantities that nobody measured, onset by onset.
 pub(crate) struct Band {
     corners: Vec<Corner>,
+    /// Wires of the bench in each state that they may be in, by the headline's gain and person.
+    states: Vec<Corner>,
     /// `true` where every onset is kept, for [`Self::finish`].
     whole: bool,
     /// Least and most level of the newest onset, dB.
@@ -86,8 +88,10 @@ impl Band {
                 }
             }
         }
+        let states = states(setup, header, (&wire, headline, gain), display, others);
         Ok(Self {
             corners,
+            states,
             whole,
             newest_db: None,
         })
@@ -107,7 +111,9 @@ impl Band {
         others: &[Option<Felt>],
     ) {
         self.newest_db = None;
-        for corner in &mut self.corners {
+        let corners = self.corners.iter_mut().map(|corner| (corner, true));
+        let states = self.states.iter_mut().map(|corner| (corner, false));
+        for (corner, is_of_band) in corners.chain(states) {
             let met = match corner.other {
                 None => met.copied(),
                 Some(other) => others.get(other).copied().flatten(),
@@ -119,7 +125,7 @@ impl Band {
                 },
                 ..met
             });
-            if let Some(db) = met.map(|met| met.levels.db()) {
+            if let Some(db) = met.map(|met| met.levels.db()).filter(|_| is_of_band) {
                 let [low, high] = self.newest_db.unwrap_or([db; 2]);
                 self.newest_db = Some([low.min(db), high.max(db)]);
             }
@@ -131,20 +137,7 @@ impl Band {
 
     /// Band of a run; `known` where it has a true path. `None` where no contact was inside the display.
     pub fn finish(&self, known: bool) -> Option<FeltBand> {
-        let corners = self.corners.iter().map(|corner| {
-            let [energy, amplitude] = corner
-                .path
-                .scores()
-                .map(|score| score.errors.filter(|_| known).map(PathError::from));
-            Some(FeltCorner {
-                preset: corner.preset,
-                gain: corner.gain,
-                person: corner.person.clone(),
-                level_db: f64::from(corner.path.level()?.median_mdb) * 1e-3,
-                error_energy_mm: energy,
-                error_amplitude_mm: amplitude,
-            })
-        });
+        let corners = self.corners.iter().map(|corner| corner.finish(known));
         let corners: Vec<FeltCorner> = corners.collect::<Option<_>>()?;
         let errors = corners
             .iter()
@@ -155,6 +148,71 @@ impl Band {
             corners,
         })
     }
+
+    /// Figures of a run by the state in which its wires began; `known` where it has a true path. Empty where no contact was
+    /// inside the display.
+    pub fn states(&self, known: bool) -> Vec<FeltCorner> {
+        let states = self.states.iter();
+        states.filter_map(|corner| corner.finish(known)).collect()
+    }
+}
+
+impl Corner {
+    /// Figures of the corner; `known` where the run has a true path. `None` where no contact was inside the display.
+    fn finish(&self, known: bool) -> Option<FeltCorner> {
+        let scores = self.path.scores();
+        let [energy, amplitude] =
+            scores.map(|score| score.errors.filter(|_| known).map(PathError::from));
+        Some(FeltCorner {
+            preset: self.preset,
+            gain: self.gain,
+            person: self.person.clone(),
+            level_db: f64::from(self.path.level()?.median_mdb) * 1e-3,
+            error_energy_mm: energy,
+            error_amplitude_mm: amplitude,
+        })
+    }
+}
+
+/// The bench's wires as they are and in their other state. A state that the model has no rest for is left out. So many wires
+/// are emulated beside the bench's already.
+fn states(
+    setup: &Setup,
+    header: &Header,
+    (wire, headline, gain): (&WireParameters, Person, f64),
+    display: &mut WornDisplay,
+    others: usize,
+) -> Vec<Corner> {
+    let history = wire.history;
+    let of = |state: WireState, other| Corner {
+        preset: match state {
+            WireState::Cold => "cold",
+            WireState::Passed => "passed",
+        },
+        gain,
+        person: setup.person.value.name.clone(),
+        other,
+        shift: shift(1.0, &headline, &headline),
+        path: FeltPath::new(header),
+    };
+    let state = match history.state {
+        WireState::Cold => WireState::Passed,
+        WireState::Passed => WireState::Cold,
+    };
+    let turned = WireParameters {
+        history: History {
+            state,
+            coldest_c: None,
+            ..history
+        },
+        ..*wire
+    };
+    let is_known = display.compare(&turned, headline).is_ok();
+    let turned = is_known.then(|| of(state, Some(others)));
+    [of(history.state, None)]
+        .into_iter()
+        .chain(turned)
+        .collect()
 }
 
 /// Shift of both levels by a gain `gain` times as large and another person's thresholds, dB.
@@ -189,7 +247,7 @@ pub struct FeltBand {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct FeltCorner {
-    /// Preset of the wires: `taut` or `loose`, on the bench's own geometry.
+    /// Wires on the bench's own geometry: `taut` or `loose`, or the bench's own, `cold` or `passed`.
     pub preset: &'static str,
     /// Displacement of the skin over change of the wire's length, 1.
     pub gain: f64,

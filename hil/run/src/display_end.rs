@@ -12,7 +12,7 @@ use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
+use palpate_emulators::worn::{Modelled, OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
@@ -20,7 +20,7 @@ use palpate_records::trace::{Event, Header, event};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
-use crate::band::{Band, FeltBand};
+use crate::band::{Band, FeltBand, FeltCorner};
 use crate::boards;
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
@@ -96,6 +96,11 @@ pub trait DisplayEnd {
     /// State of the wires, where something measures them; with totals so far, if they are wanted.
     fn standing(&self, with_totals: bool) -> Option<Standing> {
         let _ = with_totals;
+        None
+    }
+
+    /// Martensite and temperature of the modelled wires; `None` where no model follows them.
+    fn modelled(&mut self) -> Option<Modelled> {
         None
     }
 
@@ -177,9 +182,13 @@ impl EmulatedDisplay {
                 (display, Shared::new(layer))
             }
         };
-        let person = plan::person(&setup.person.value);
-        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
-        display.worn_by(person).map_err(impossible)?;
+        // What is felt of a pass counts for no figure.
+        if setup.pass.itself().is_none() {
+            let person = plan::person(&setup.person.value);
+            let impossible =
+                |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
+            display.worn_by(person).map_err(impossible)?;
+        }
         let full = FullDrive::new(setup, projector)?;
         let boards = plan::boards(bench);
         let prescale = projector.guard().prescale();
@@ -248,6 +257,14 @@ impl EmulatedDisplay {
     /// where the true path is known.
     pub fn band(&self, known: bool) -> Option<FeltBand> {
         self.band.as_ref()?.finish(known)
+    }
+
+    /// Felt level and error by the state in which the wires began, where corners are compared; `known` where the true path
+    /// is known.
+    pub fn states(&self, known: bool) -> Vec<FeltCorner> {
+        self.band
+            .as_ref()
+            .map_or_else(Vec::new, |band| band.states(known))
     }
 
     /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.
@@ -430,6 +447,10 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn standing(&self, with_totals: bool) -> Option<Standing> {
         Some(self.display.standing(with_totals))
+    }
+
+    fn modelled(&mut self) -> Option<Modelled> {
+        self.display.modelled()
     }
 
     fn newest_band_db(&self) -> Option<[f64; 2]> {

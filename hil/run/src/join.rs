@@ -115,6 +115,7 @@ pub fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
         i2c,
         readings: None,
         notes: Vec::new(),
+        pass: None,
         displays: parts
             .into_iter()
             .map(|part| DisplayOutcome {

@@ -25,6 +25,7 @@ mod header;
 mod heat;
 pub mod identify;
 pub mod join;
+mod known;
 mod levels;
 pub mod live;
 mod loops;
@@ -32,6 +33,7 @@ mod margins;
 mod numbers;
 mod onsets;
 mod output_enable;
+pub mod pass;
 mod path_error;
 pub mod picture;
 mod piece;
@@ -41,7 +43,6 @@ pub mod policy;
 pub mod recorded;
 mod recorder;
 mod replay;
-mod rezero;
 mod runner;
 pub mod script;
 mod scripted;
@@ -58,6 +59,7 @@ mod taxels;
 mod texture_summary;
 pub mod unit;
 mod verdict;
+mod wish;
 
 pub use activations::Activations;
 pub use band::{FeltBand, FeltCorner};
@@ -80,8 +82,7 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use rezero::rezero;
-pub use runner::{run_with, scene_end, scene_levels};
+pub use runner::{passed, run_with, scene_end, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use skin::EmulatedSkin;
@@ -90,6 +91,7 @@ pub use summary::{AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels
 pub use supervisor::Supervisor;
 pub use taxels::taxels;
 pub use verdict::stopped_by;
+pub use wish::Wish;
 
 use std::sync::Arc;
 
@@ -103,6 +105,7 @@ use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
 use effort::Effort;
+use pass::PassEnd;
 use picture::{State, Wants};
 
 /// Source of the sensor readings of a run.
@@ -152,6 +155,19 @@ pub struct Outcome {
     pub notes: Vec<String>,
     /// Outcomes of the fingers, where the bench has several displays; empty else.
     pub displays: Vec<DisplayOutcome>,
+    /// End of the hot pass, where the run was one on one display.
+    pub pass: Option<PassEnd>,
+}
+
+impl Outcome {
+    /// Tells whether every wire had its pulses in the newest hot pass of this run; `None` where it had none.
+    #[must_use]
+    pub fn has_passed(&self) -> Option<bool> {
+        let displays = self.displays.iter().map(|display| &display.outcome.pass);
+        let each = displays.chain([&self.pass]).flatten();
+        each.map(|pass| pass.refused.is_none() && pass.passed == pass.wires)
+            .reduce(|all, own| all && own)
+    }
 }
 
 /// The run of one of several displays. Wires have the display's own numbers, boards and modules those of bench and skin.
@@ -249,9 +265,8 @@ pub trait Host {
         false
     }
 
-    /// Asks after a turn whether the reference of the skin is to be taken anew: `Some(true)` also where something is in
-    /// contact.
-    fn rezero(&mut self) -> Option<bool> {
+    /// Asks after a turn for a wish of those who look on.
+    fn wish(&mut self) -> Option<Wish> {
         None
     }
 

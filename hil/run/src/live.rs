@@ -20,6 +20,7 @@ use crate::levels::dynamic_levels;
 use crate::loops::build;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
+use crate::runner::passed;
 use crate::session::Session;
 use crate::skin::EmulatedSkin;
 use crate::skin_end::{Elsewhere, SkinEnd};
@@ -39,6 +40,8 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let truth = Truth::of(setup);
         let skin = skin::scene(setup, seed, None)?;
         Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
@@ -50,6 +53,8 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn played(setup: &Setup, seed: u64) -> Result<(Self, Fingers), Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let fingers = Fingers::default();
         let skin = skin::scene(setup, seed, Some(&fingers))?;
         let truth = Truth::played(setup, &fingers);
@@ -65,6 +70,8 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn touched(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>), Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let projector = of_setup(setup, seed)?;
         Self::under_hands(setup, seed, projector)
     }
@@ -74,6 +81,8 @@ impl EmulatedSession {
     /// # Errors
     /// Errors of [`Self::touched`]; a scene whose illusion chooses pulses by itself.
     pub fn activated(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>, Activations), Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let levels = dynamic_levels(&setup.scene.value.compression);
         let (projector, activations) = activations::build(setup, seed, levels)?;
         let (mut session, hands) = Self::under_hands(setup, seed, projector)?;
@@ -102,6 +111,8 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         let ends: (EmulatedSkin, Truth) = (Box::new(()), Truth::Unknown);
         Self::on(setup, seed, of_setup(setup, seed)?, ends, policy)
@@ -124,14 +135,11 @@ impl EmulatedSession {
         policy: Policy,
     ) -> Result<Self, Failure> {
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
-        let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
-        Ok(Self::new(
-            projector,
-            (skin, display),
-            policy,
-            recorder,
-            None,
-        ))
+        let mut recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
+        recorder.begin(setup);
+        let mut session = Self::new(projector, (skin, display), policy, recorder, None);
+        session.plan_passes(setup);
+        Ok(session)
     }
 }
 
@@ -147,10 +155,14 @@ impl HeldSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn held(setup: &Setup, seed: u64, levels: Levels, truth: Truth) -> Result<Self, Failure> {
+        let (setup, _) = passed(setup, seed)?;
+        let setup = &*setup;
         let projector = build(setup, seed, levels)?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        Self::held_on(projector, display, policy, truth)
+        let mut session = Self::held_on(projector, display, policy, truth)?;
+        session.plan_passes(setup);
+        Ok(session)
     }
 }
 

@@ -2,12 +2,16 @@
 
 use palpate_core::contact::Levels;
 use palpate_core::projector::{Plan, Projector};
+use palpate_core::units::Instant;
 use palpate_files::Setup;
 
 use crate::failure::Failure;
 use crate::place::fingers;
 use crate::plan::{self, Responses};
 use crate::stagger::stagger;
+
+/// Start of a hot pass in its scene: the skin's boards are heard by then.
+pub(crate) const PASS_AT: Instant = Instant::from_micros(750_000);
 
 /// The loop of a scene on a bench, with intensity levels found beforehand.
 ///
@@ -49,5 +53,10 @@ pub fn fits(setup: &Setup) -> Result<(), Failure> {
 }
 
 pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
-    Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
+    let mut projector = Projector::new(plan)
+        .map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))?;
+    if let Some(pass) = setup.pass.itself() {
+        projector.pass(pass, PASS_AT);
+    }
+    Ok(projector)
 }

@@ -163,6 +163,9 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         let mut alone = setup.clone();
         alone.fingers.clear();
         alone.bus_wait = place.wait_for(&places, bench);
+        if finger.memory.is_some() {
+            alone.memory.clone_from(&finger.memory);
+        }
         alone.display = finger.display.clone();
         alone.person = finger.person.clone();
         alone.wearer.clone_from(&finger.wearer);

@@ -314,6 +314,13 @@ impl Recorder {
         self.events.push(Event::note(at, text));
     }
 
+    /// Notes what was done to the wires of a setup before its run.
+    pub fn begin(&mut self, setup: &Setup) {
+        if let Some(told) = &setup.told {
+            self.note(Instant::ZERO, format!("hot pass: {told}"));
+        }
+    }
+
     /// Counts the onset that was just projected.
     pub fn count(&mut self, projector: &Projector) {
         if let Some(onset) = &self.onset {

@@ -8,11 +8,13 @@
 use palpate_core::driver::{DriverError, Traffic};
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
 use palpate_records::trace::{Event, event};
 
 use crate::display_end::DisplayEnd;
 use crate::effort::{FrameCost, FrameTimes, Stopwatch};
 use crate::failure::Failure;
+use crate::pass::Again;
 use crate::picture::Look;
 use crate::policy::{LatchPolicy, Policy};
 use crate::recorder::Recorder;
@@ -44,6 +46,7 @@ pub struct Session<S, D> {
     supervisor: Supervisor,
     recorder: Recorder,
     times: FrameTimes,
+    again: Again,
     now: Instant,
     next: Instant,
     verified: Instant,
@@ -64,6 +67,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         Self {
             supervisor: Supervisor::new(policy.give_up),
             times: FrameTimes::new(stopwatch),
+            again: Again::default(),
             now: Instant::ZERO,
             next: Instant::ZERO,
             verified: Instant::ZERO,
@@ -75,6 +79,18 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             policy,
             recorder,
         }
+    }
+
+    /// Plans the hot pass that may come in the middle of a run on a setup's bench: once a person asks for it, or the
+    /// modelled wires were too cold.
+    pub fn plan_passes(&mut self, setup: &Setup) {
+        self.again = Again::new(setup, &self.projector);
+    }
+
+    /// Begins such a pass at the next onset without a contact. Returns what becomes of it, for a note.
+    pub(crate) fn pass_again(&mut self, now: Instant) -> String {
+        let begun = self.again.begin(&mut self.projector, now);
+        format!("hot pass: {}", begun.unwrap_or_else(|why| why))
     }
 
     /// Starts the boards at `now`: everything off, the period set, registers read back, outputs released. Returns
@@ -144,6 +160,10 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         }
         self.display
             .look(now, onset, &self.projector, &mut self.recorder);
+        let modelled = || self.display.modelled();
+        if let Some(text) = self.again.look(&mut self.projector, modelled, now) {
+            self.recorder.note(now, text);
+        }
         self.supervisor.restart_boards(
             now,
             &mut self.skin,

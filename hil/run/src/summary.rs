@@ -8,10 +8,9 @@ use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::frame_time::FrameTime;
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
-use palpate_records::model;
 use palpate_records::trace::{Header, Ledger, Source, Trace, sort_by_time};
 use palpate_records::verdict::Conclusion;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::boards::{self, BoardReport, BusReport, CanReport, Pacing};
 use super::display_end::DisplayEnd;
@@ -20,9 +19,11 @@ use super::recorder::{Recorder, word};
 use super::script::FaultReport;
 use super::session::Session;
 use super::skin_end::SkinEnd;
-use crate::band::FeltBand;
+use crate::band::{FeltBand, FeltCorner};
 use crate::heat::HeatReport;
+use crate::known::{known_tissue, known_wire};
 use crate::onsets::Onsets;
+use crate::pass::PassReport;
 use crate::path_error::PathError;
 use crate::plan;
 use crate::texture_summary::TextureSummary;
@@ -53,6 +54,12 @@ pub struct FeltSummary {
     pub missing_db: Option<f64>,
     /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
     pub band: Option<FeltBand>,
+    /// State in which the wires began; left out of a summary over several displays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state: Option<&'static str>,
+    /// The run in each state of its wires; left out where nothing shows it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub states: Vec<FeltCorner>,
 }
 
 /// A level that a scene asks for, and the level that heat leaves: all in dB over the threshold that the loop believes.
@@ -278,6 +285,9 @@ pub struct Summary {
     /// Distance between neighbouring taxels on the skin that drives; null for a single taxel.
     pub pitch_mm: Option<f64>,
     pub onsets: Onsets,
+    /// Hot pass before the run; left out where there was none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pass: Option<PassReport>,
     pub felt: FeltSummary,
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
@@ -326,20 +336,6 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
-#[allow(clippy::ref_option)] // serde's signature
-fn known_wire<S: Serializer>(celsius: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
-    celsius
-        .and_then(|c| model::known(c, model::WIRE_C))
-        .serialize(to)
-}
-
-#[allow(clippy::ref_option)] // serde's signature
-fn known_tissue<S: Serializer>(celsius: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
-    celsius
-        .and_then(|c| model::known(c, model::TISSUE_C))
-        .serialize(to)
-}
-
 impl FeltSummary {
     /// Headline of a run from its errors by both centroids.
     fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
@@ -364,6 +360,8 @@ impl FeltSummary {
             asked: None,
             missing_db: None,
             band: None,
+            state: None,
+            states: Vec::new(),
         }
     }
 }
@@ -456,6 +454,7 @@ impl Summary {
                 felt: emulated.then(|| recorder.met.felt.unwrap_or(0)),
                 ..recorder.met
             },
+            pass: None,
             felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
             felt_error_mm: by_energy,
             felt_error_amplitude_mm: by_amplitude,

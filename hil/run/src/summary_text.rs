@@ -8,6 +8,7 @@ use palpate_records::trace::Source;
 
 use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
+use crate::path_error::PathError;
 use crate::summary::{
     AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels,
 };
@@ -63,9 +64,32 @@ impl FeltSummary {
         });
         let breaks = and_counted(self.breaks, "break");
         format!(
-            "{level}{breaks}; person {}, wires {}",
-            self.person, self.preset
+            "{level}{breaks}; person {}, wires {}{}",
+            self.person,
+            self.preset,
+            self.state
+                .map_or_else(String::new, |state| format!(" ({state})"))
         )
+    }
+}
+
+impl FeltSummary {
+    /// Line of the run in each state of its wires, by the errors of the energy and the amplitude centroid.
+    fn states_line(&self) -> Option<Line> {
+        let of = |state: &FeltCorner| {
+            let mm = |error: Option<PathError>| {
+                error.map_or_else(|| "-".to_owned(), |error| format!("{:.2}", error.rmse))
+            };
+            format!(
+                "{} {:+.1} dB, error {} / {} mm",
+                state.preset,
+                state.level_db,
+                mm(state.error_energy_mm),
+                mm(state.error_amplitude_mm)
+            )
+        };
+        let states: Vec<String> = self.states.iter().map(of).collect();
+        (!states.is_empty()).then(|| line("by state", states.join("; ")))
     }
 }
 
@@ -198,9 +222,11 @@ impl Summary {
                 },
             ),
         ];
+        lines.extend(self.pass.as_ref().map(|p| line("hot pass", p.line())));
         lines.push(line("felt level", self.felt.words()));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));
+        lines.extend(self.felt.states_line());
         lines.push(line("felt error", self.felt_error_mm.words()));
         // Error by the other centroid of the literature.
         lines.push(line("", self.felt_error_amplitude_mm.words()));

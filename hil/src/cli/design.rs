@@ -35,7 +35,7 @@ pub struct DesignArgs {
         long,
         value_name = "NAME|FILE,..",
         value_delimiter = ',',
-        default_value = "taut,final-75um,passed-50um"
+        default_value = "taut,final-75um,loose-50um"
     )]
     pub wire: Vec<String>,
     /// Alloys, built in or files.

@@ -11,6 +11,7 @@ use palpate_records::report::svg::{self, Plot, Svg, dot, escape, path_key};
 use palpate_records::table::as_csv;
 use palpate_records::verdict::Conclusion;
 use palpate_run::design::{DesignOutcome, PulsePattern, outcome, resized, undominated};
+use palpate_run::pass::lasting;
 use palpate_run::{Failure, plan};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -54,7 +55,9 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
     let tissue = TissueParameters::DEFAULT;
     let felt_by = plan::person(&person);
     let of = |point: &DesignPoint| {
-        let outcome = outcome(&point.wire, &tissue, &point.pattern, felt_by, args.seconds);
+        // A bench passes its wires before a run, where that lasts.
+        let wire = lasting(&point.wire, &tissue).unwrap_or(point.wire);
+        let outcome = outcome(&wire, &tissue, &point.pattern, felt_by, args.seconds);
         progress.step();
         outcome.map_err(|e: ParameterError| {
             Failure::Input(format!("{} with {}: {e}", point.names[0], place(point)))

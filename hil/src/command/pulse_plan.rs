@@ -6,7 +6,7 @@ use palpate_core::guard::{Predicted, Used};
 use palpate_core::projector::Projector;
 use palpate_core::schedule::{Entry, Reason, Stimulus};
 use palpate_core::units::{Duration, Instant, Ticks};
-use palpate_files::{Bench, Loaded, Scene, Setup, Source, load_layout};
+use palpate_files::{Bench, Loaded, Pass, Scene, Setup, Source, load_layout};
 use palpate_live::real::Heat;
 use palpate_run::plan::milliamps;
 use palpate_run::{Failure, build, place};
@@ -159,7 +159,10 @@ impl PulsePlan {
     fn setup(&self, part: &Part) -> Result<Setup, Failure> {
         let source = Source::new("the scene of a pulse", self.text(part)?);
         let scene: Loaded<Scene> = Loaded::read(source)?;
-        Ok(Setup::join(scene, self.bench.clone())?)
+        let mut setup = Setup::join(scene, self.bench.clone())?;
+        // One wire is to be heated, and no other.
+        setup.pass = Pass::LeftOut;
+        Ok(setup)
     }
 
     fn text(&self, part: &Part) -> Result<String, Failure> {

@@ -28,6 +28,17 @@ fn band_rows(band: &FeltBand) -> Vec<BandRow> {
     lowest.map(pair).collect()
 }
 
+/// The bench's own wires in one of their states.
+fn state_row(state: &FeltCorner) -> BandRow {
+    BandRow {
+        wires: state.preset.into(),
+        person: state.person.clone(),
+        gain: [state.gain; 2],
+        level_db: [state.level_db; 2],
+        error_mm: state.error_energy_mm.map(|error| error.rmse),
+    }
+}
+
 /// The page of a run of several displays: the hand, with a link to every finger's own page in these files beside it.
 pub(super) fn hand(setup: &Setup, outcome: &Outcome, files: &[PathBuf]) -> String {
     let pads = setup.sensor.value.modules.iter().map(|module| {
@@ -84,7 +95,8 @@ pub fn report(outcome: &Outcome) -> String {
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
     ];
-    let band: Vec<BandRow> = s.felt.band.iter().flat_map(band_rows).collect();
+    let band = s.felt.band.iter().flat_map(band_rows);
+    let band: Vec<BandRow> = band.chain(s.felt.states.iter().map(state_row)).collect();
     report_html(
         &outcome.trace,
         &ReportExtras {

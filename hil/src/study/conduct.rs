@@ -288,12 +288,32 @@ impl Conducting<'_> {
             };
             return Ok((came, None));
         };
+        if let Some(end) = self.pass()? {
+            return Ok((Came::End(end), None));
+        }
         let mut played = Played::of(trial);
         let came = match self.answers {
             Answers::Person(_) => self.simulated(&step, trial, &mut played)?,
             Answers::Page(desk) => self.trial(desk, trial, signals, &mut played)?,
         };
         Ok((came, Some(played)))
+    }
+
+    /// Passes cold wires before the first trial. The participant reads of it, and the record has a note.
+    fn pass(&mut self) -> Result<Option<End>, Failure> {
+        if !self.player.is_pass_due()? {
+            return Ok(None);
+        }
+        self.show(json!({ "screen": "pass" }));
+        match self.player.pass(self.now_ms()) {
+            Ok(Some(told)) => self.note(format!("hot pass: {told}"))?,
+            Ok(None) => {}
+            Err(Failure::Stopped(text) | Failure::Guard(text)) => {
+                return Ok(Some(End::Stopped(text)));
+            }
+            Err(failure) => return Ok(Some(End::Failed(failure))),
+        }
+        Ok(None)
     }
 
     /// Plays an interval `after_ms` from now. It is in the record before it begins, with its largest bookings.

@@ -6,7 +6,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
-use palpate_run::{Failure, Input, Keep, build};
+use palpate_run::{Failure, Input, Keep, build, pass};
 use palpate_study::{Interval, Stimulus};
 
 use super::rehearsal::{Rehearsals, bursts, path};
@@ -27,6 +27,8 @@ pub struct Player {
     until: Instant,
     /// Pages that look on; without pages virtual time is not held to the wall clock.
     desk: Option<Desk>,
+    /// The wires were passed, or need no pass.
+    is_ready: bool,
 }
 
 /// Time at which everything was off.
@@ -56,6 +58,7 @@ impl Player {
             memory: Memory::default(),
             until: Instant::ZERO,
             desk,
+            is_ready: false,
         }
     }
 
@@ -63,6 +66,43 @@ impl Player {
     #[must_use]
     pub const fn stimuli(&self) -> &Stimuli {
         &self.stimuli
+    }
+
+    /// Tells whether a hot pass comes before the next trial.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that cannot play it.
+    pub fn is_pass_due(&self) -> Result<bool, Failure> {
+        Ok(!self.is_ready && self.stimuli.unpassed()?.is_some())
+    }
+
+    /// Passes cold wires at a time of the session, ms, once. Returns a note on it; `None` where the wires need no pass.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that cannot play it, and [`Failure::Stopped`] for STOP on a page.
+    pub fn pass(&mut self, now_ms: u64) -> Result<Option<String>, Failure> {
+        let due = self.stimuli.unpassed()?.filter(|_| !self.is_ready);
+        let Some(mut setup) = due else {
+            return Ok(None);
+        };
+        let began = self.begins(now_ms);
+        (self.memory, self.until) = (self.memory(began), began);
+        setup.memory = Some(self.memory.clone());
+        let wanted = Wanted {
+            desk: self.desk.as_ref(),
+            quiet: true,
+            ..Wanted::default()
+        };
+        let (after, report) = host::passed(&setup, self.seed, wanted)?;
+        self.is_ready = true;
+        if pass::is_due(&after) {
+            self.stimuli.leave_cold();
+        }
+        if let Some(report) = &report {
+            self.until = began + Duration::from_micros((report.length_s * 1e6).round() as u64);
+            self.memory = after.memory.unwrap_or_default();
+        }
+        Ok(after.told)
     }
 
     /// Takes over what was played in the session before the program was begun again.

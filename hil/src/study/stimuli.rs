@@ -2,8 +2,8 @@
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::Guard;
-use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Real, Setup, Source};
-use palpate_run::{Failure, build, fits};
+use palpate_files::{Bench, BenchKind, FileError, Loaded, Pass, Protocol, Real, Setup, Source};
+use palpate_run::{Failure, build, fits, pass};
 use palpate_study::Stimulus;
 
 /// The reference and a moment more before a wire is driven, s.
@@ -17,6 +17,8 @@ pub struct Stimuli {
     protocol: Loaded<Protocol>,
     bench: Loaded<Bench>,
     wires_mm: Vec<[f64; 2]>,
+    /// Cold wires are passed before the first trial: a pass is felt, so none comes between a question and its answer.
+    is_passed: bool,
 }
 
 impl Stimuli {
@@ -34,8 +36,10 @@ impl Stimuli {
             protocol,
             bench,
             wires_mm: Vec::new(),
+            is_passed: false,
         };
-        let silent = stimuli.setup(&Stimulus::Silence)?;
+        let silent = stimuli.joined(&Stimulus::Silence)?;
+        stimuli.is_passed = pass::is_due(&silent) && pass::lasts(&silent);
         stimuli.wires_mm = silent.display.value.wires_mm.clone();
         stimuli.check_wires()?;
         for (index, condition) in stimuli.protocol.value.conditions.iter().enumerate() {
@@ -115,11 +119,34 @@ impl Stimuli {
         Ok(())
     }
 
-    /// The scene of a stimulus on the bench; of what the experimenter lays under the finger one that drives nothing.
+    /// A silent scene that begins with the hot pass of the bench's wires; `None` where they need none.
+    ///
+    /// # Errors
+    /// The errors of [`Self::setup`].
+    pub fn unpassed(&self) -> Result<Option<Setup>, Failure> {
+        let silent = self.is_passed.then(|| self.joined(&Stimulus::Silence));
+        silent.transpose()
+    }
+
+    /// Lets the wires be cold in every trial: their hot pass has failed.
+    pub const fn leave_cold(&mut self) {
+        self.is_passed = false;
+    }
+
+    /// The scene of a stimulus on the bench, with wires as they are in a trial; of what the experimenter lays under the finger one that drives nothing.
     ///
     /// # Errors
     /// [`Failure`] with file and key of what does not fit together.
     pub fn setup(&self, stimulus: &Stimulus) -> Result<Setup, Failure> {
+        let mut setup = self.joined(stimulus)?;
+        if self.is_passed && pass::is_due(&setup) {
+            pass::set_passed(&mut setup);
+        }
+        setup.pass = Pass::LeftOut;
+        Ok(setup)
+    }
+
+    fn joined(&self, stimulus: &Stimulus) -> Result<Setup, Failure> {
         let protocol = &self.protocol.value;
         if let Stimulus::Condition(name) = stimulus {
             let place = protocol.conditions.iter().position(|c| c.name == *name);

@@ -12,7 +12,7 @@ display = "three-in-line"
 wire = { kind = "final-75um", alloy = "low" }
 outputs = [{ board = 0x40, channel = 0 }, { board = 0x40, channel = 1 }, { board = 0x40, channel = 2 }]
 real = { can = ["can0"], i2c = ["/dev/i2c-1"] }
-drive = { current_ma = 990.0, supply_limit_ma = 4000.0 }
+drive = { current_ma = 990.0, supply_limit_ma = 4000.0, hot_pass = false }
 "#;
 
 const PROTOCOL: &str = r#"

@@ -232,7 +232,7 @@ impl Bench {
             "name = \"fake\"\ndescription = \"chips of a fake bench\"\nkind = \"real\"\ndisplay = \"thimble-8\"\nlimits = \"default\"\n\
              wire = {{ kind = \"final-75um\", alloy = \"low\" }}\n\
              [real]\ncan = [\"lo\"]\ni2c = {nodes:?}\n\
-             [drive]\ncurrent_ma = 1970.0\nsupply_limit_ma = 4000.0\npwm_hz = 200.0\n"
+             [drive]\ncurrent_ma = 1970.0\nsupply_limit_ma = 4000.0\npwm_hz = 200.0\nhot_pass = false\n"
         );
         for wire in 0..8 {
             let bus = wire * count / 8;

@@ -21,6 +21,24 @@ pub struct Output {
     pub channel: u8,
 }
 
+impl Output {
+    pub(super) fn word(&self) -> u64 {
+        u64::from_be_bytes([0, 0, 0, 0, 0, self.bus, self.board, self.channel])
+    }
+
+    /// `None` for a word that no output has.
+    pub(super) fn of_word(word: u64) -> Option<Self> {
+        let [0, 0, 0, 0, 0, bus, board, channel] = word.to_be_bytes() else {
+            return None;
+        };
+        Some(Self {
+            bus,
+            board,
+            channel,
+        })
+    }
+}
+
 /// Heat and dose that are kept of a wire.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Kept {
@@ -36,8 +54,7 @@ pub(super) struct Kept {
 impl Kept {
     fn words(&self) -> Vec<u64> {
         let (output, wire) = (self.output, &self.wire);
-        let place = [0, 0, 0, 0, 0, output.bus, output.board, output.channel];
-        let place = u64::from_be_bytes(place);
+        let place = output.word();
         let spent = |spent: &Spent| [spent.pj, spent.ago.as_micros()];
         let times = [self.uptime.us, wire.now.as_micros(), wire.at.as_micros()];
         let doses = [wire.doses.omega, wire.doses.cem43_min, self.face_k];
@@ -55,9 +72,7 @@ impl Kept {
     fn of(words: &[u64]) -> Option<Self> {
         let mut words = words.iter().copied();
         let mut word = || words.next().unwrap_or(ABSENT);
-        let [0, 0, 0, 0, 0, bus, board, channel] = word().to_be_bytes() else {
-            return None;
-        };
+        let output = Output::of_word(word())?;
         let boot = word();
         let us = word();
         let [now, at] = [word(), word()].map(Instant::from_micros);
@@ -80,11 +95,7 @@ impl Kept {
             power: spent(),
         };
         let kept = Self {
-            output: Output {
-                bus,
-                board,
-                channel,
-            },
+            output,
             uptime: Uptime { boot, us },
             wire,
             tip: spent(),
@@ -126,11 +137,11 @@ pub(super) fn doses(bytes: &[u8]) -> Option<Doses> {
     (is_dose(omega) && is_dose(cem43_min)).then_some(Doses { omega, cem43_min })
 }
 
-fn bytes(words: impl Iterator<Item = u64>) -> Vec<u8> {
+pub(super) fn bytes(words: impl Iterator<Item = u64>) -> Vec<u8> {
     words.flat_map(u64::to_le_bytes).collect()
 }
 
-fn words(bytes: &[u8]) -> Option<Vec<u64>> {
+pub(super) fn words(bytes: &[u8]) -> Option<Vec<u64>> {
     let (words, rest) = bytes.as_chunks::<8>();
     let words = words.iter().map(|word| u64::from_le_bytes(*word));
     rest.is_empty().then(|| words.collect())

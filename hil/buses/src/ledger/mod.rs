@@ -8,6 +8,7 @@
 mod account;
 mod keeper;
 mod layout;
+mod passed;
 mod uptime;
 
 use std::io;
@@ -18,6 +19,7 @@ use palpate_core::units::{Duration, Instant};
 
 pub use keeper::Keeper;
 pub use layout::Output;
+pub use passed::{keep_passed, passed};
 
 use crate::guardian::{remedy, state_folder};
 use account::{Account, Held};
@@ -93,7 +95,10 @@ fn dose_of(wearer: &str) -> String {
 /// [`LedgerError::Held`] while a run books there, and the system's error.
 pub fn forget(folder: &Path, hardware: &[String], wearers: &[String]) -> Result<bool, LedgerError> {
     let heat = hardware.iter().map(|name| heat_of(name));
-    let names = heat.chain(wearers.iter().map(|name| dose_of(name)));
+    let states = hardware.iter().map(|name| passed::name_of(name));
+    let names = heat
+        .chain(states)
+        .chain(wearers.iter().map(|name| dose_of(name)));
     let mut is_any = false;
     for name in names {
         is_any |= Account::forget(folder, &name)?;

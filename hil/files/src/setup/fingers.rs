@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use palpate_core::guard::Memory;
+
 use super::{People, Stroked, stroked};
 use crate::bench::{Bench, BenchDisplay, BenchKind};
 use crate::error::FileError;
@@ -40,6 +42,8 @@ pub struct Finger {
     pub texture: Option<(Felt, Stroked)>,
     /// Strokes over its display.
     pub strokes: Vec<SceneStroke>,
+    /// Heat and dose of earlier runs under this display; where there are none, the setup's own count.
+    pub memory: Option<Memory>,
 }
 
 /// Checks that every module of a scene's skin belongs to one finger, by a rule where the finger has several.
@@ -162,6 +166,7 @@ pub(super) fn of(
             when: gate(index, file)?,
             texture: texture_of(scene, index, file)?,
             strokes: file.strokes.clone(),
+            memory: None,
         })
     };
     let fingers = scene.value.fingers.iter().enumerate().map(finger);

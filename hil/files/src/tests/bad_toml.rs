@@ -485,7 +485,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(same, ("final-75um", "final-80um")),
-        "b.toml:7: wire.kind: expected a wire (final-75um, first-100um, passed-50um, taut) or a file, found \"final-80um\"; did you mean `final-75um`?"
+        "b.toml:7: wire.kind: expected a wire (final-75um, first-100um, loose-50um, taut) or a file, found \"final-80um\"; did you mean `final-75um`?"
     );
     assert_eq!(
         join(same, ("thimble-8", "three-in-line")),

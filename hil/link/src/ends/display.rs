@@ -7,11 +7,13 @@ use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Projector;
 use palpate_files::Setup;
+use palpate_live::host;
 use palpate_live::link::UnitPlace;
 use palpate_live::output::note;
 use palpate_live::real::{self, Heat, Watched};
+use palpate_live::views::Wanted;
 use palpate_run::display_end::EmulatedDisplay;
-use palpate_run::{Failure, Policy, build};
+use palpate_run::{Failure, Policy, build, pass};
 
 use super::feeling::{Feeling, Finger};
 use super::heard::{Heard, Waiting};
@@ -40,7 +42,12 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
         )));
     }
     if !bench.is_hardware() {
-        return feel(args, &setup, Some(false), |setup, projector, _| {
+        let wanted = Wanted {
+            quiet: args.quiet,
+            ..Wanted::default()
+        };
+        let (setup, _) = host::passed(&setup, args.on.seed, wanted)?;
+        return feel(args, (&setup, false), Some(false), |setup, projector, _| {
             let display = EmulatedDisplay::new(setup, projector, args.on.seed)?;
             Ok((display, Policy::emulated(setup.bench.value.unit.is_some())))
         });
@@ -49,13 +56,24 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
     real::refuse_stopped(&setup)?;
     real::dies_at_once();
     let realtime = bench.real.as_ref().and_then(|real| real.realtime);
+    // The skin is elsewhere, so cold wires are passed while it is untouched. Until then the loop plans for passed ones.
+    let mut setup = real::known(&setup)?;
+    let is_cold = pass::is_due(&setup) && pass::lasts(&setup);
+    if is_cold {
+        pass::set_passed(&mut setup);
+    }
     match UnitPlace::of(&setup.bench)? {
         None => {
             let (setup, heat) = Heat::alone(&setup)?;
-            feel(args, &setup, realtime, |setup, projector, clock| {
-                let outputs = real::open_outputs(setup, heat, projector, clock)?;
-                Ok((outputs, Policy::REAL))
-            })
+            feel(
+                args,
+                (&setup, is_cold),
+                realtime,
+                |setup, projector, clock| {
+                    let outputs = real::open_outputs(setup, heat, projector, clock)?;
+                    Ok((outputs, Policy::REAL))
+                },
+            )
         }
         Some(place) => {
             let (setup, notes) = real::met(&setup, &place)?;
@@ -63,17 +81,17 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
                 notes.iter().for_each(|text| note(text));
             }
             let (setup, heat) = Heat::alone(&setup)?;
-            feel(args, &setup, realtime, |setup, _, clock| {
+            feel(args, (&setup, is_cold), realtime, |setup, _, clock| {
                 Ok((real::open_unit(setup, heat, &place, clock)?, Policy::REAL))
             })
         }
     }
 }
 
-/// Meets the publisher, opens the outputs last, and feels on a thread of its own.
+/// Feels on a setup whose wires may be cold: meets the publisher, opens the outputs last, and feels on a thread of its own.
 fn feel<D: Watched + Send>(
     args: &DisplayArgs,
-    setup: &Setup,
+    (setup, is_cold): (&Setup, bool),
     realtime: Option<bool>,
     outputs: impl FnOnce(&Setup, &Projector, RunClock) -> Result<(D, Policy), Failure>,
 ) -> Result<(), Failure> {
@@ -105,6 +123,7 @@ fn feel<D: Watched + Send>(
         setup,
         net: &net,
         realtime,
+        is_cold,
     };
     let (says, said) = sync_channel(MOST_SAID);
     let outputs = |projector: &Projector| outputs(setup, projector, clock);

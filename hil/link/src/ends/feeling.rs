@@ -12,11 +12,11 @@ use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_live::output::print_json;
-use palpate_live::real::{Watched, beat, begin, leave, priority};
+use palpate_live::real::{Watched, beat, begin, keep, leave, priority};
 use palpate_live::record::Journal;
 use palpate_records::mcap::{decode, encoded};
 use palpate_records::trace::Event;
-use palpate_run::{Failure, HeldSession, Policy, Truth, Turn, header};
+use palpate_run::{Failure, HeldSession, Policy, Truth, Turn, Wish, header};
 
 use super::heard::{Arrived, Heard, Waiting};
 use super::report::Report;
@@ -48,10 +48,14 @@ pub(super) struct Finger<'a> {
     pub(super) net: &'a Net,
     /// Real-time priority, as the bench wants it.
     pub(super) realtime: Option<bool>,
+    /// The wires are cold, and are to be passed while nothing is felt.
+    pub(super) is_cold: bool,
 }
 
 /// The loop of a finger that feels frames.
 pub(super) struct Feeling<'a, D> {
+    setup: &'a Setup,
+    is_cold: bool,
     args: &'a DisplayArgs,
     realtime: Option<bool>,
     clock: RunClock,
@@ -93,6 +97,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             setup,
             net,
             realtime,
+            is_cold,
         } = finger;
         let seed = args.on.seed;
         let journal = journal(setup, seed, &projector, &args.record, args.force)?;
@@ -104,8 +109,12 @@ impl<'a, D: Watched> Feeling<'a, D> {
             .transpose()?;
         let stopwatch = Stopwatch::new(setup, &projector)?;
         let (display, policy) = outputs(&projector)?;
+        let mut session = HeldSession::held_on(projector, display, policy, Truth::Unknown)?;
+        session.plan_passes(setup);
         Ok(Self {
-            session: HeldSession::held_on(projector, display, policy, Truth::Unknown)?,
+            session,
+            setup,
+            is_cold,
             stopwatch,
             report,
             felt: Felt::new(&args.finger, wearer.as_str(), own, clock.epoch_ns()),
@@ -139,6 +148,9 @@ impl<'a, D: Watched> Feeling<'a, D> {
             let _ = self.session.display().part(Ok(()), true);
         })?;
         let mut next = begin(slice::from_mut(&mut self.session), clock)?;
+        if self.is_cold {
+            self.session.grant(Wish::HotPass, clock.now());
+        }
         let end = self.args.seconds.map(after);
         let (mut stopped, mut watch) = (None, Watch::new());
         loop {
@@ -187,6 +199,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             self.waiting.wait(Wait::from_micros(wait.as_micros()));
         }
         let end = leave(&mut self.session, clock);
+        self.keep_passed();
         self.said.stopped = stopped.unwrap_or_else(|| match self.session.failure() {
             Some(failure) => failure.to_string(),
             None => "a record cannot be written".into(),
@@ -195,6 +208,16 @@ impl<'a, D: Watched> Feeling<'a, D> {
         self.state_offset(end);
         self.tell();
         self.finish(end)
+    }
+
+    /// Keeps whether the wires were passed, where they were cold.
+    fn keep_passed(&mut self) {
+        let Some(passing) = self.session.projector().passing() else {
+            return;
+        };
+        if let Err(failure) = keep(self.setup, passing.has_passed()) {
+            self.session.set_failure(failure);
+        }
     }
 
     /// Finishes records and report when the run is over.

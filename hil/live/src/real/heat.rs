@@ -24,7 +24,7 @@ pub struct Heat {
 }
 
 /// Names of the hardware on a bench's adapters.
-fn of_adapters(bench: &Loaded<Bench>) -> Result<Vec<String>, Failure> {
+pub(super) fn of_adapters(bench: &Loaded<Bench>) -> Result<Vec<String>, Failure> {
     let real = bench.value.real.as_ref();
     let adapters = real.into_iter().flat_map(|real| &real.i2c);
     let names = adapters.map(|path| Hardware::adapter(path).map(|own| own.file().to_owned()));
@@ -41,7 +41,7 @@ enum HungOn {
 }
 
 /// The name of a driver unit.
-fn of_unit(place: &UnitPlace) -> String {
+pub(super) fn of_unit(place: &UnitPlace) -> String {
     place.hardware().file().to_owned()
 }
 

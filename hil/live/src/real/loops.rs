@@ -3,20 +3,23 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration as Elapsed;
 
 use palpate_buses::pacer::{Lateness, Pacer, RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Cause;
 use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
 use palpate_records::readings::Readings;
 use palpate_run::picture::Wants;
-use palpate_run::{Failure, Session, Turn, rezero};
+use palpate_run::{Failure, Session, Turn, Wish};
 
 use super::ends::{Sensed, Watched, goes_on, part, switch_off};
 use super::records::{Records, Said};
-use super::{panicked, priority};
+use super::{panicked, passed, priority};
 use crate::interfaces::lines;
+use crate::output::note;
 use crate::progress::Progress;
 use crate::views::{STOPPED_BY_PAGE, Wanted};
 
@@ -38,6 +41,7 @@ pub(super) struct Shared<'a> {
     pub(super) can: &'a [String],
     /// Real-time priority: `true` insists on it, `false` does without, `None` takes it where the system allows.
     pub(super) realtime: Option<bool>,
+    setup: &'a Setup,
     pub(super) signals: &'a Signals,
     pub(super) wanted: Wanted<'a>,
     pub(super) clock: RunClock,
@@ -51,8 +55,9 @@ pub(super) struct Shared<'a> {
     go: AtomicBool,
     /// Loops that still make turns.
     turning: AtomicUsize,
-    /// Twice how often the reference was to be taken anew, and one more where the last time was by force.
-    rezeros: AtomicUsize,
+    /// Number of wishes so far, and the newest one.
+    wishes: AtomicUsize,
+    wish: Mutex<Option<Wish>>,
 }
 
 /// A loop that has ended.
@@ -70,14 +75,16 @@ pub(super) struct Done<S, D> {
 impl<'a> Shared<'a> {
     /// Common state of loops that have not begun: interfaces and priority of their bench, and the end of the run.
     pub(super) fn new(
-        (can, realtime): (&'a [String], Option<bool>),
+        setup: &'a Setup,
         (signals, wanted): (&'a Signals, Wanted<'a>),
         (clock, end): (RunClock, Instant),
         watched: bool,
     ) -> Self {
+        let real = setup.bench.value.real.as_ref();
         Self {
-            can,
-            realtime,
+            can: real.map_or(&[], |real| &real.can),
+            realtime: real.and_then(|real| real.realtime),
+            setup,
             signals,
             wanted,
             clock,
@@ -87,7 +94,8 @@ impl<'a> Shared<'a> {
             ready: AtomicUsize::new(0),
             go: AtomicBool::new(false),
             turning: AtomicUsize::new(0),
-            rezeros: AtomicUsize::new(0),
+            wishes: AtomicUsize::new(0),
+            wish: Mutex::default(),
         }
     }
 
@@ -154,10 +162,15 @@ impl<'a> Shared<'a> {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return ended,
             }
-            if let Some(forced) = records.rezero() {
-                let before = self.rezeros.load(Ordering::Relaxed) / 2;
-                let asked = 2 * (before + 1) + usize::from(forced);
-                self.rezeros.store(asked, Ordering::Relaxed);
+            if let Some(wish) = records.wish() {
+                // A display that was put on anew has cold wires, whatever becomes of this run.
+                if wish == Wish::HotPass
+                    && let Err(failure) = passed::keep(self.setup, false)
+                {
+                    note(&format!("the state of the wires is not kept: {failure}"));
+                }
+                *self.wish.lock().unwrap_or_else(PoisonError::into_inner) = Some(wish);
+                self.wishes.fetch_add(1, Ordering::Relaxed);
             }
             if records.have_failed() {
                 self.end_all();
@@ -178,8 +191,8 @@ struct Turns<'a> {
     said: Instant,
     shown: Instant,
     watch: Watch,
-    /// Rezeros done so far, of those counted in [`Shared::rezeros`].
-    rezeros: usize,
+    /// Wishes that were granted or refused, of those counted in [`Shared::wishes`].
+    wishes: usize,
 }
 
 impl<'a> Turns<'a> {
@@ -192,7 +205,7 @@ impl<'a> Turns<'a> {
             said: Instant::ZERO,
             shown: Instant::ZERO,
             watch: Watch::new(),
-            rezeros: 0,
+            wishes: 0,
         }
     }
 
@@ -296,10 +309,16 @@ impl<'a> Turns<'a> {
             self.finger > 0 || !shared.signals.wants_panic(),
             "a drill, by PALPATE_DRILL and SIGUSR1"
         );
-        let asked = shared.rezeros.load(Ordering::Relaxed);
-        if std::mem::replace(&mut self.rezeros, asked) != asked {
-            session.display().wait();
-            rezero(session, shared.clock.now(), asked % 2 == 1);
+        let wishes = shared.wishes.load(Ordering::Relaxed);
+        // A lock that is taken is not waited for: the next turn comes within a millisecond.
+        if self.wishes != wishes
+            && let Ok(wish) = shared.wish.try_lock().map(|wish| *wish)
+        {
+            self.wishes = wishes;
+            if let Some(wish) = wish {
+                session.display().wait();
+                session.grant(wish, shared.clock.now());
+            }
         }
         self.tell(session, now);
         true

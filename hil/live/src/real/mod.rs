@@ -6,6 +6,7 @@ mod ends;
 mod heat;
 mod link;
 mod loops;
+mod passed;
 mod records;
 mod run;
 mod warden;
@@ -16,7 +17,10 @@ pub use ends::lost;
 pub use ends::{RealSkin, Sensed, Watched, beat, begin, leave};
 pub use heat::{Heat, forget};
 pub use link::LinkEnd;
+pub use passed::{keep, known};
 pub use warden::Live;
+
+use std::borrow::Cow;
 
 use palpate_buses::guardian::{Latch, Latched};
 use palpate_buses::lock::BusLock;
@@ -27,7 +31,8 @@ use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{BenchKind, Setup};
+use palpate_files::{BenchKind, Pass, Setup};
+use palpate_run::pass::{self, PassReport};
 use palpate_run::place::{Place, fingers};
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
@@ -60,6 +65,67 @@ pub fn run(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     dies_at_once();
+    if UnitPlace::of(&setup.bench)?.is_none() {
+        refuse(setup, input, seed)?;
+    }
+    let (after, report) = passed(setup, input, seed, wanted)?;
+    let mut after = after.into_owned();
+    // The ledger of the hardware knows the heat of the pass.
+    after.memory.clone_from(&setup.memory);
+    for (finger, before) in after.fingers.iter_mut().zip(&setup.fingers) {
+        finger.memory.clone_from(&before.memory);
+    }
+    if report.is_some() {
+        wanted.live.map_or(Ok(()), crate::serve::Live::again)?;
+    }
+    let mut outcome = run_once(&after, input, seed, wanted)?;
+    outcome.summary.pass = report;
+    if let Some(has_passed) = outcome.has_passed() {
+        keep(&after, has_passed)?;
+    }
+    Ok(outcome)
+}
+
+/// Passes the wires of hardware that need it, and keeps that. Returns the setup of what follows and, where there was a pass,
+/// the report on it.
+///
+/// # Errors
+/// As [`run`].
+pub fn passed<'a>(
+    setup: &'a Setup,
+    input: &Input,
+    seed: u64,
+    wanted: Wanted<'_>,
+) -> Result<(Cow<'a, Setup>, Option<PassReport>), Failure> {
+    let known = known(setup)?;
+    let (after, report) = pass::before(&known, |own| {
+        if !wanted.quiet && !wanted.watch {
+            note(&pass::announced(own));
+        }
+        let mut own = own.clone();
+        if let (Some(pass), false) = (own.pass.itself(), matches!(input, Input::Scene)) {
+            own.pass = Pass::Apart(pass);
+        }
+        let wanted = Wanted {
+            files: &[],
+            quiet: true,
+            ..wanted
+        };
+        run_once(&own, &Input::Scene, seed, wanted)
+    })?;
+    if let Some(report) = &report {
+        keep(&after, report.has_passed)?;
+    }
+    Ok((Cow::Owned(after.into_owned()), report))
+}
+
+/// Runs with wires that are as the setup says.
+fn run_once(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    wanted: Wanted<'_>,
+) -> Result<Outcome, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     match UnitPlace::of(&setup.bench)? {
         None => wired(setup, input, seed, signals, wanted),
@@ -91,20 +157,7 @@ fn wired(
     signals: Signals,
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
-    if !matches!(input, Input::Scene) {
-        let expected =
-            "--replay, --stream: readings from elsewhere drive an emulated bench or a unit only";
-        return Err(Failure::Input(expected.into()));
-    }
-    refuse_stopped(setup)?;
-    let alone = match setup.fingers.is_empty() {
-        true => only(setup),
-        false => fingers(setup),
-    };
-    // The file is checked before anything is asked of the adapters: that needs no hardware.
-    for (_, finger) in &alone {
-        refuse_slow(real_of(setup)?, build(finger, seed, Levels::Off)?.guard())?;
-    }
+    let alone = refuse(setup, input, seed)?;
     let (planned, heat) = planned(setup, alone, seed)?;
     let run = Run::of(setup, planned, signals, wanted)?;
     let (clock, keeps_can) = (RunClock::start(), run.keeps_can());
@@ -123,6 +176,25 @@ fn wired(
     let (outputs, found) = Live::open(setup, heat, &fingers, clock)?;
     let ends = skins.into_iter().zip(outputs).collect();
     run.until_end(ends, &found, clock, scene_end(setup))
+}
+
+/// Refuses a run that these boards cannot make, before anything is asked of the adapters: that needs no hardware. Returns
+/// the fingers of one that they can.
+fn refuse(setup: &Setup, input: &Input, seed: u64) -> Result<Vec<(Place, Setup)>, Failure> {
+    if !matches!(input, Input::Scene) {
+        let expected =
+            "--replay, --stream: readings from elsewhere drive an emulated bench or a unit only";
+        return Err(Failure::Input(expected.into()));
+    }
+    refuse_stopped(setup)?;
+    let alone = match setup.fingers.is_empty() {
+        true => only(setup),
+        false => fingers(setup),
+    };
+    for (_, finger) in &alone {
+        refuse_slow(real_of(setup)?, build(finger, seed, Levels::Off)?.guard())?;
+    }
+    Ok(alone)
 }
 
 /// The only display of a bench as a finger.
@@ -144,7 +216,10 @@ pub fn open_skin<'a>(
     keeps: bool,
 ) -> Result<(Box<dyn Sensed + Send + 'a>, Instant), Failure> {
     Ok(match input {
-        Input::Scene if setup.bench.value.kind == BenchKind::Real => {
+        Input::Scene
+            if setup.bench.value.kind == BenchKind::Real
+                && !matches!(setup.pass, Pass::Apart(_)) =>
+        {
             let can = Interfaces::open(real_of(setup)?, layout, clock)?;
             let skin = skin::source(setup, layout, Tap::new(can, keeps));
             (Box::new(skin), scene_end(setup))

@@ -9,7 +9,7 @@ use palpate_records::readings::{ModulePlaces, TaxelFrame};
 use palpate_records::trace::{Event, Header, sort_by_time};
 use palpate_run::picture::State;
 use palpate_run::place::Place;
-use palpate_run::{Failure, TurnView, attachments, joined_header, whole_boards};
+use palpate_run::{Failure, TurnView, Wish, attachments, joined_header, whole_boards};
 
 use crate::output::Outputs;
 use crate::record::{About, Journal, Sink, path_of};
@@ -111,9 +111,9 @@ impl Records {
         self.views.are_open()
     }
 
-    /// Passes on [`Views::rezero`].
-    pub(super) fn rezero(&self) -> Option<bool> {
-        self.views.rezero()
+    /// Passes on [`Views::wish`].
+    pub(super) fn wish(&self) -> Option<Wish> {
+        self.views.wish()
     }
 
     /// Takes what a finger says; whether those who look on want the run to end.

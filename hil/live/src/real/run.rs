@@ -13,6 +13,7 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Event, Header, Ledger, event};
 use palpate_run::effort::Effort;
 use palpate_run::join::{Common, Part, join};
+use palpate_run::pass::{self, PassEnd};
 use palpate_run::place::Place;
 use palpate_run::plan::Responses;
 use palpate_run::{
@@ -163,14 +164,18 @@ impl<'a> Run<'a> {
                 BenchKind::Emulated => Truth::of(&planned.setup),
             };
             let driven = (planned.projector, planned.setup.scene.value.drives);
-            sessions.push(assemble(driven, ends, truth, taxels, watched));
+            let mut session = assemble(driven, ends, truth, taxels, watched);
+            session.plan_passes(&planned.setup);
+            sessions.push(session);
             fingers.push((planned.place, planned.setup, planned.header));
         }
         begin(&mut sessions, clock)?;
         let several = !setup.fingers.is_empty();
         let found = found.lines().filter(|_| several);
         let found = found.map(|line| Event::note(Instant::ZERO, format!("{line}; switched off")));
-        let mut notes: Vec<Event> = found.collect();
+        let told = setup.told.as_ref();
+        let told = told.map(|told| Event::note(Instant::ZERO, format!("hot pass: {told}")));
+        let mut notes: Vec<Event> = found.chain(told).collect();
         records.add(notes.clone());
         if several {
             let begun = sessions.iter_mut().map(|s| s.recorder().events.clone());
@@ -179,9 +184,8 @@ impl<'a> Run<'a> {
         sessions.iter_mut().for_each(|s| s.skin().begin());
         // An oscillator runs this long after its own start, whenever that was.
         clock.sleep_until(clock.now() + Duration::from_millis(1));
-        let real = setup.bench.value.real.as_ref();
         let shared = Shared::new(
-            real.map_or((&[], None), |real| (&real.can, real.realtime)),
+            setup,
             (&signals, self.wanted),
             (clock, clock.now() + length.since(Instant::ZERO)),
             watched,
@@ -300,8 +304,10 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     effort.finish(projector, recorder);
     summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
     let readings = recorder.readings.take();
+    let pass = PassEnd::of(projector, done.end, None);
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().tallies();
+    summary.felt.state = Some(pass::state_of(setup));
     summary.unit = session.display().unit();
     summary.heat = session.display().heat();
     summary.can = reports(names.unwrap_or_default(), &tallies);
@@ -317,6 +323,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
         i2c: Vec::new(),
         notes: Vec::new(),
         displays: Vec::new(),
+        pass,
         failure,
     }
     .concluded(setup, false)

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use palpate_records::margin::Margin;
 use palpate_run::picture::Head;
-use palpate_run::{Beginning, Failure};
+use palpate_run::{Beginning, Failure, Wish};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -42,6 +42,8 @@ pub(super) struct Hub {
     /// The thread that paints for them, asleep while no page looks.
     painting: Mutex<Option<Thread>>,
     stop: AtomicBool,
+    /// The newest wish that no run has taken.
+    wish: Mutex<Option<Wish>>,
     /// `true` once a page has opened.
     seen: AtomicBool,
 }
@@ -62,6 +64,8 @@ struct Known {
 #[serde(default, deny_unknown_fields)]
 struct Said {
     stop: bool,
+    rezero: bool,
+    hot_pass: bool,
     display: Option<usize>,
 }
 
@@ -165,6 +169,11 @@ impl Hub {
         self.stop.load(Ordering::Relaxed)
     }
 
+    /// Takes the newest wish. A lock that a page has meanwhile is not waited for: the next turn asks again.
+    pub(super) fn wish(&self) -> Option<Wish> {
+        self.wish.try_lock().ok()?.take()
+    }
+
     /// Tells whether any page looks at a display.
     pub(super) fn is_watched(&self) -> bool {
         self.looked_at.load(Ordering::Relaxed) != 0
@@ -236,6 +245,10 @@ impl Hub {
         };
         if said.stop {
             self.stop.store(true, Ordering::Relaxed);
+        }
+        let rezero = said.rezero.then_some(Wish::Rezero { forced: false });
+        if let Some(wish) = said.hot_pass.then_some(Wish::HotPass).or(rezero) {
+            *held(&self.wish) = Some(wish);
         }
         if let Some(display) = said.display {
             slot.display.store(display, Ordering::Relaxed);

@@ -10,7 +10,7 @@ use std::time::{Duration as Elapsed, Instant as Clock};
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
 use palpate_run::picture::{Painter, Picture, State};
-use palpate_run::{Beginning, Failure, TurnView};
+use palpate_run::{Beginning, Failure, TurnView, Wish};
 use serde::Serialize;
 
 use super::live::{Hub, Live};
@@ -127,6 +127,11 @@ impl LiveRun {
         });
         self.studio.easels().push(easel);
         self.hub.add(run);
+    }
+
+    /// Wish of a page since the last call.
+    pub fn wish(&self) -> Option<Wish> {
+        self.hub.wish()
     }
 
     /// Tells whether a page has said STOP.

@@ -18,6 +18,7 @@ use palpate_buses::terminal::Terminal;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::{Event, Header};
+use palpate_run::Wish;
 
 use ansi::Ansi;
 use draw::{SMALLEST, draw, skin_size};
@@ -58,19 +59,19 @@ impl Shown {
 #[derive(Debug, Default)]
 struct Asked {
     stop: AtomicBool,
-    /// 1 for a reference that is to be taken anew, 2 for one by force.
-    rezero: AtomicU8,
+    /// The key of the newest wish, 0 once it is taken.
+    wish: AtomicU8,
     /// Index of the display shown; beyond the last one, counted on from the first.
     display: AtomicUsize,
 }
 
 impl Asked {
-    /// Takes a key: `q` ends the run, `z` takes the reference anew and `Z` does so by force, Tab shows the next display, 1 to 9 and 0 one of the first ten.
+    /// Takes a key: `q` ends the run, `z` takes the reference anew and `Z` does so by force, `p` passes the wires of a display
+    /// that was put on anew, Tab shows the next display, 1 to 9 and 0 one of the first ten.
     fn key(&self, key: u8) {
         match key {
             b'q' | b'Q' => self.stop.store(true, Ordering::Relaxed),
-            b'z' => self.rezero.store(1, Ordering::Relaxed),
-            b'Z' => self.rezero.store(2, Ordering::Relaxed),
+            b'z' | b'Z' | b'p' | b'P' => self.wish.store(key, Ordering::Relaxed),
             b'\t' => {
                 self.display.fetch_add(1, Ordering::Relaxed);
             }
@@ -125,11 +126,13 @@ impl Watch {
         self.shown.push(Shown::new(header, layout, end));
     }
 
-    /// Tells whether a key asked for the reference to be taken anew since the last call; `true` asks by force.
-    pub fn rezero(&self) -> Option<bool> {
-        match self.asked.rezero.swap(0, Ordering::Relaxed) {
-            0 => None,
-            asked => Some(asked == 2),
+    /// Wish of the newest key since the last call.
+    pub fn wish(&self) -> Option<Wish> {
+        match self.asked.wish.swap(0, Ordering::Relaxed) {
+            b'z' => Some(Wish::Rezero { forced: false }),
+            b'Z' => Some(Wish::Rezero { forced: true }),
+            b'p' | b'P' => Some(Wish::HotPass),
+            _ => None,
         }
     }
 

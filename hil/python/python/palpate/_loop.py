@@ -169,6 +169,13 @@ class Loop:
         """
         return Step(self._inner.rezero(forced))
 
+    def hot_pass(self) -> Step:
+        """Heats every wire once, in turn, at the next onsets without a contact: the display was put on anew.
+
+        Each is felt as a tap. Notes in the events of this step and of later ones say what became of it.
+        """
+        return Step(self._inner.hot_pass())
+
     def touch(
         self,
         places: npt.ArrayLike,

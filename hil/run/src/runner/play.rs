@@ -23,11 +23,11 @@ use crate::header::header;
 use crate::join::{Part, join};
 use crate::levels::known_levels;
 use crate::loops::build_with;
+use crate::pass::{self, PassEnd};
 use crate::piece::Pieces;
 use crate::place::{Place, fingers};
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
-use crate::rezero::rezero;
 use crate::session::{Session, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
@@ -106,6 +106,11 @@ impl<'a> Finger<'a> {
             end,
             display: self.place.name.as_deref(),
         })?;
+        let setup = self.run.setup;
+        if setup.bench.value.heat.is_some() || host.looks_on() {
+            self.session.plan_passes(setup);
+        }
+        self.session.recorder().begin(setup);
         // The policy waits for boards that do not answer, so this cannot fail.
         let _ = self.session.start(Instant::ZERO);
         Ok(())
@@ -238,6 +243,8 @@ impl<'a> Finger<'a> {
         }
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
+        let martensite = display.modelled().map(|wires| wires.martensite);
+        let pass = PassEnd::of(projector, end, martensite);
         summary.faults = display.faults();
         summary.unit = display.unit();
         summary.heat = display.heat();
@@ -246,7 +253,10 @@ impl<'a> Finger<'a> {
             let missing = -plan::strongest(setup, projector)?;
             summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
         }
-        summary.felt.band = display.band(summary.path_error_mm.is_some());
+        let known = summary.path_error_mm.is_some();
+        summary.felt.band = display.band(known);
+        summary.felt.states = display.states(known);
+        summary.felt.state = Some(pass::state_of(setup));
         Ok(Outcome {
             readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
@@ -259,6 +269,7 @@ impl<'a> Finger<'a> {
             can: Vec::new(),
             notes: Vec::new(),
             displays: Vec::new(),
+            pass,
         })
     }
 }
@@ -386,9 +397,9 @@ impl Run<'_> {
                 }
                 is_stopped |= finger.show(now, number, host);
             }
-            if let Some(forced) = host.rezero() {
+            if let Some(wish) = host.wish() {
                 let sessions = fingers.iter_mut().map(|finger| &mut finger.session);
-                sessions.for_each(|session| rezero(session, now, forced));
+                sessions.for_each(|session| session.grant(wish, now));
             }
             if is_stopped {
                 let note = || Event::note(now, format!("{STOPPED_BY}the person who watched"));

@@ -39,14 +39,14 @@ pub(super) const DRIVES: [Drive; 3] = [
         name: "default",
         file: "emulated",
         ma: None,
-        wires: ["passed-50um", "taut"],
+        wires: ["loose-50um", "taut"],
         law_mm: Some(0.8),
     },
     Drive {
         name: "1.0 A",
         file: "emulated",
         ma: Some(1000.0),
-        wires: ["passed-50um", "taut"],
+        wires: ["loose-50um", "taut"],
         law_mm: None,
     },
     Drive {
