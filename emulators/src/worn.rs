@@ -107,15 +107,6 @@ pub struct ThermalSample {
     pub mean_c: f64,
 }
 
-/// The wires of a display at one instant, by the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modelled {
-    /// Most martensite of any wire, in [0, 1].
-    pub martensite: f64,
-    /// Temperature of the coldest wire, degrees C.
-    pub coldest_c: f64,
-}
-
 /// The window of the mean tissue temperature.
 const MEAN_WINDOW: Nanos = Nanos::from_micros(10_000_000);
 
@@ -445,23 +436,11 @@ impl WornDisplay {
         self.others.iter_mut().map(move |other| other.onset(now))
     }
 
-    /// The wires as the model has them now; `None` without wires.
-    pub fn modelled(&mut self) -> Option<Modelled> {
+    /// Most martensite of any wire now, in [0, 1]; `None` without wires.
+    pub fn martensite(&mut self) -> Option<f64> {
         let now = self.now;
         let wires = self.worn.wires.iter_mut();
-        wires.fold(None, |all: Option<Modelled>, wire| {
-            let (martensite, coldest_c) = (wire.fraction(now), wire.temperature(now));
-            Some(all.map_or(
-                Modelled {
-                    martensite,
-                    coldest_c,
-                },
-                |all| Modelled {
-                    martensite: all.martensite.max(martensite),
-                    coldest_c: all.coldest_c.min(coldest_c),
-                },
-            ))
-        })
+        wires.map(|wire| wire.fraction(now)).reduce(f64::max)
     }
 
     /// Totals of the run until now.

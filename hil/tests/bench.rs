@@ -23,6 +23,8 @@ mod feed;
 mod guardian_faults;
 #[path = "bench/hands.rs"]
 mod hands;
+#[path = "bench/hot_pass.rs"]
+mod hot_pass;
 #[path = "bench/lacks.rs"]
 mod lacks;
 #[path = "bench/ledger.rs"]

@@ -12,7 +12,7 @@ use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{Modelled, OutputEdge, Standing, ThermalSample, WornDisplay};
+use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
@@ -99,8 +99,8 @@ pub trait DisplayEnd {
         None
     }
 
-    /// Martensite and temperature of the modelled wires; `None` where no model follows them.
-    fn modelled(&mut self) -> Option<Modelled> {
+    /// Temperature of the face under the finger, degrees C; `None` without a module, or where nothing has told it yet.
+    fn face_c(&self) -> Option<f64> {
         None
     }
 
@@ -449,8 +449,8 @@ impl DisplayEnd for EmulatedDisplay {
         Some(self.display.standing(with_totals))
     }
 
-    fn modelled(&mut self) -> Option<Modelled> {
-        self.display.modelled()
+    fn face_c(&self) -> Option<f64> {
+        self.heat.as_ref().map(EmulatedHeat::face_c)
     }
 
     fn newest_band_db(&self) -> Option<[f64; 2]> {

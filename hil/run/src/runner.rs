@@ -43,9 +43,9 @@ pub fn run_with(
     host: &mut dyn Host,
 ) -> Result<Outcome, Failure> {
     refuse_hardware(&setup.bench.value)?;
-    let (setup, pass) = passed(setup, seed)?;
+    let (setup, report) = passed(setup, seed)?;
     let mut outcome = run_once(&setup, input, seed, keep, host)?;
-    outcome.summary.pass = pass;
+    pass::tell(&mut outcome, &setup, report);
     Ok(outcome)
 }
 

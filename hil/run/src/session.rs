@@ -81,16 +81,15 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         }
     }
 
-    /// Plans the hot pass that may come in the middle of a run on a setup's bench: once a person asks for it, or the
-    /// modelled wires were too cold.
+    /// Plans the hot pass that may come in the middle of a run on a setup's bench: once a person asks for it, or a cold face
+    /// has brought martensite back.
     pub fn plan_passes(&mut self, setup: &Setup) {
         self.again = Again::new(setup, &self.projector);
     }
 
     /// Begins such a pass at the next onset without a contact. Returns what becomes of it, for a note.
     pub(crate) fn pass_again(&mut self, now: Instant) -> String {
-        let begun = self.again.begin(&mut self.projector, now);
-        format!("hot pass: {}", begun.unwrap_or_else(|why| why))
+        self.again.begin(&mut self.projector, now)
     }
 
     /// Starts the boards at `now`: everything off, the period set, registers read back, outputs released. Returns
@@ -160,8 +159,8 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         }
         self.display
             .look(now, onset, &self.projector, &mut self.recorder);
-        let modelled = || self.display.modelled();
-        if let Some(text) = self.again.look(&mut self.projector, modelled, now) {
+        let face_c = || self.display.face_c();
+        if let Some(text) = self.again.look(&mut self.projector, face_c, now) {
             self.recorder.note(now, text);
         }
         self.supervisor.restart_boards(

@@ -288,6 +288,9 @@ pub struct Summary {
     /// Hot pass before the run; left out where there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pass: Option<PassReport>,
+    /// Reason why there was none before a run on cold wires; left out for one that had one, or needed none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_pass: Option<String>,
     pub felt: FeltSummary,
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
@@ -455,6 +458,7 @@ impl Summary {
                 ..recorder.met
             },
             pass: None,
+            no_pass: None,
             felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
             felt_error_mm: by_energy,
             felt_error_amplitude_mm: by_amplitude,

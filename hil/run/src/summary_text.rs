@@ -8,6 +8,7 @@ use palpate_records::trace::Source;
 
 use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
+use crate::pass::PassReport;
 use crate::path_error::PathError;
 use crate::summary::{
     AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels,
@@ -222,7 +223,9 @@ impl Summary {
                 },
             ),
         ];
-        lines.extend(self.pass.as_ref().map(|p| line("hot pass", p.line())));
+        let passed = self.pass.as_ref().map(PassReport::line);
+        let passed = passed.or_else(|| self.no_pass.clone());
+        lines.extend(passed.map(|text| line("hot pass", text)));
         lines.push(line("felt level", self.felt.words()));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));

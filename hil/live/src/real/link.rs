@@ -85,6 +85,10 @@ impl DisplayEnd for LinkEnd {
         self.unit.tell(heard);
     }
 
+    fn face_c(&self) -> Option<f64> {
+        self.module.as_ref().and_then(RemoteHeat::face_c)
+    }
+
     fn advance_to(&mut self, _now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {
         self.unit.hear(events);
         Ok(())

@@ -79,7 +79,7 @@ pub fn run(
         wanted.live.map_or(Ok(()), crate::serve::Live::again)?;
     }
     let mut outcome = run_once(&after, input, seed, wanted)?;
-    outcome.summary.pass = report;
+    pass::tell(&mut outcome, &after, report);
     if let Some(has_passed) = outcome.has_passed() {
         keep(&after, has_passed)?;
     }

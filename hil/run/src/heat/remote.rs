@@ -146,6 +146,12 @@ impl RemoteHeat {
         self.account.take(now, &turn, events);
     }
 
+    /// Temperature of the face by the unit's newest report, degrees C.
+    pub fn face_c(&self) -> Option<f64> {
+        let (_, face) = self.newest?;
+        (face.face_mc > 0).then(|| celsius(face.face_mc))
+    }
+
     /// Report of the module, by the unit's sensors.
     pub fn report(&self) -> HeatReport {
         let mut report = self.seen;

@@ -1,120 +1,138 @@
-//! A hot pass while a scene goes on: after a display was put on anew, and after its wires were too cold.
+//! A hot pass while a scene goes on: after a display was put on anew, and after a cold face has brought martensite back.
 
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::projector::{HotPass, Projector};
 use palpate_core::units::{Duration, Instant};
-use palpate_emulators::worn::Modelled;
-use palpate_files::{Pass, Setup, WireState};
+use palpate_files::{Pass, SKIN_C, Setup, WireState};
 
-use super::heated::PASSED;
-use super::plan;
+use super::heated::lasting;
+use super::plan as planning;
+use crate::plan;
 
-/// Time between two looks at the modelled wires.
+/// Time between two looks at a pass and at the face.
 const LOOK: Duration = Duration::from_millis(250);
-/// How much warmer than at a pass that did not last a wire must be for another one, K.
+/// Margin by which a face must be warmer than the one that brings martensite back, K.
 const WARMER_K: f64 = 1.0;
+/// Halvings of the range in which that face is sought: to a hundredth of a kelvin.
+const HALVINGS: u32 = 12;
 
 /// Passes of a run that goes on.
 #[derive(Debug, Default)]
 pub(crate) struct Again {
-    /// Pulses by the boards' present clock, or the reason why there is no pass.
+    /// Pulses by the boards' present clock, or the reason why there is no pass; `None` until it is planned.
     pass: Option<Result<HotPass, &'static str>>,
-    /// The modelled wires are passed, as far as anything tells.
+    /// Face under which a passed wire turns back, degrees C; `None` without a module under the finger.
+    turns_c: Option<f64>,
+    /// The wires are assumed passed.
     is_passed: bool,
     /// A pass is on its way, and its end is to be noted.
     is_awaited: bool,
     next: Instant,
-    /// Coldest wire when martensite came back last, degrees C.
-    cold_c: Option<f64>,
 }
 
 impl Again {
     /// Passes for a loop on a setup's bench.
     pub fn new(setup: &Setup, projector: &Projector) -> Self {
-        let pass = match (setup.pass, setup.bench.value.drive.hot_pass) {
-            (Pass::Before, true) => plan::of_loop(setup, projector),
+        let bench = &setup.bench.value;
+        let pass = match (setup.pass, bench.drive.hot_pass) {
+            (Pass::Before, true) => planning::of_loop(setup, projector),
             (Pass::Before, false) => Err("the bench says `drive.hot_pass = false`"),
             (Pass::Itself(_) | Pass::Apart(_) | Pass::LeftOut, _) => {
                 Err("no pass comes in this run")
             }
         };
+        let turns_c = bench.heat.filter(|_| pass.is_ok());
         Self {
             pass: Some(pass),
+            turns_c: turns_c.map(|_| turns_c_of(&plan::wire(setup), &bench.tissue.parameters())),
             is_passed: setup.wire.value.state == WireState::Passed,
             ..Self::default()
         }
     }
 
-    /// Begins a pass at the next onset without a contact. Returns what became of that, for a note.
-    pub fn begin(&mut self, projector: &mut Projector, now: Instant) -> Result<String, String> {
-        match self.pass {
+    /// Begins a pass at the next onset without a contact. Returns a note on it.
+    pub fn begin(&mut self, projector: &mut Projector, now: Instant) -> String {
+        let why = match self.pass {
             Some(Ok(pass)) => {
                 projector.pass(pass, now);
                 self.is_awaited = true;
                 let wires = projector.display().wires().len();
-                Ok(format!(
-                    "each of {wires} wires is heated in turn, at onsets without a contact; each is felt as a tap"
-                ))
+                return format!(
+                    "hot pass: each of {wires} wires is heated in turn, at onsets without a contact; each is felt as a tap"
+                );
             }
-            Some(Err(why)) => Err(format!("none: {why}")),
-            None => Err("none: no pass was planned for this run".to_owned()),
-        }
+            Some(Err(why)) => why,
+            None => "none was planned for this run",
+        };
+        format!("hot pass: none: {why}")
     }
 
-    /// Looks at the loop's pass and at the modelled wires, if that is due. Returns a note where something came of it.
+    /// Looks at the loop's pass and at the face under the finger, if that is due. Returns a note where something came of it.
     pub fn look(
         &mut self,
         projector: &mut Projector,
-        modelled: impl FnOnce() -> Option<Modelled>,
+        face_c: impl FnOnce() -> Option<f64>,
         now: Instant,
     ) -> Option<String> {
-        if now < self.next || self.pass.is_none() {
+        if now < self.next || !(self.is_awaited || self.turns_c.is_some()) {
             return None;
         }
         self.next = now + LOOK;
         if self.is_awaited {
             return self.ended(projector);
         }
-        let Modelled {
-            martensite,
-            coldest_c,
-        } = modelled()?;
-        if martensite < PASSED {
-            self.is_passed = true;
-            self.cold_c = None;
-            return None;
-        }
-        if self.is_passed {
+        let (turns_c, face_c) = (self.turns_c?, face_c()?);
+        if self.is_passed && face_c < turns_c {
             self.is_passed = false;
-            self.cold_c = Some(coldest_c);
             return Some(format!(
-                "hot pass: at {coldest_c:.1} C {:.0} % martensite came back in the modelled wires; they are passed at a pause once they are {WARMER_K:.0} K warmer",
-                martensite * 100.0
+                "hot pass: under a face of {face_c:.1} C martensite comes back in the wires; they are passed at a pause once it has {:.1} C",
+                turns_c + WARMER_K
             ));
         }
-        let is_warmer = self.cold_c.is_some_and(|cold| coldest_c >= cold + WARMER_K);
-        self.cold_c = self.cold_c.map(|cold| cold.min(coldest_c));
-        if !is_warmer {
-            return None;
-        }
-        self.cold_c = None;
-        let begun = self.begin(projector, now).unwrap_or_else(|why| why);
-        Some(format!("hot pass: {begun}"))
+        let is_due = !self.is_passed && face_c >= turns_c + WARMER_K;
+        is_due.then(|| self.begin(projector, now))
     }
 
     /// Notes the end of a pass that was on its way.
     fn ended(&mut self, projector: &Projector) -> Option<String> {
         let passing = projector.passing().filter(|passing| passing.is_over())?;
         self.is_awaited = false;
-        self.is_passed = passing.has_passed();
         let (passed, wires) = (passing.passed(), projector.display().wires().len());
-        Some(match passing.refused() {
-            None => format!("hot pass: {wires} wires had their pulses; they are assumed passed"),
-            Some((wire, entry)) => {
-                let why = entry.reason.map_or("shortened", |reason| reason.word());
-                format!(
-                    "hot pass: NOT PASSED: {passed} of {wires} wires had their pulses; the guard refused wire {wire}: {why}"
-                )
-            }
-        })
+        let Some((wire, entry)) = passing.refused() else {
+            self.is_passed = true;
+            return Some(format!(
+                "hot pass: {wires} wires had their pulses; they are assumed passed"
+            ));
+        };
+        // The guard would refuse it again: only a person asks for another one.
+        self.turns_c = None;
+        let why = entry.reason.map_or("shortened", |reason| reason.word());
+        Some(format!(
+            "hot pass: NOT PASSED: {passed} of {wires} wires had their pulses; the guard refused wire {wire}: {why}"
+        ))
     }
 }
+
+/// The coldest face under which a passed wire keeps its austenite and R, degrees C. Skin and wire are taken to follow the face
+/// at once and whole, which is from above: less of a cold face comes through.
+fn turns_c_of(wire: &WireParameters, tissue: &TissueParameters) -> f64 {
+    let lasts = |colder_k: f64| {
+        let (mut wire, mut tissue) = (*wire, *tissue);
+        wire.ends_c -= colder_k;
+        tissue.body_c -= colder_k;
+        lasting(&wire, &tissue).is_ok()
+    };
+    let (mut lasting_k, mut turning_k) = (0.0, SKIN_C);
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(lasting_k, turning_k);
+        match lasts(middle) {
+            true => lasting_k = middle,
+            false => turning_k = middle,
+        }
+    }
+    SKIN_C - lasting_k
+}
+
+#[cfg(test)]
+#[path = "again_tests.rs"]
+mod tests;

@@ -93,6 +93,13 @@ pub fn before(
     Ok((Cow::Owned(after), Some(report)))
 }
 
+/// Adds to a run's outcome what a pass before it came to: the report, or the reason why there was none.
+pub fn tell(outcome: &mut Outcome, setup: &Setup, report: Option<PassReport>) {
+    let why = setup.told.as_ref().filter(|_| report.is_none());
+    outcome.summary.no_pass = why.cloned();
+    outcome.summary.pass = report;
+}
+
 /// Lets the wires of a setup begin as after a pass.
 pub fn set_passed(setup: &mut Setup) {
     setup.wire.value.state = WireState::Passed;

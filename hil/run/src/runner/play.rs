@@ -243,7 +243,7 @@ impl<'a> Finger<'a> {
         }
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
-        let martensite = display.modelled().map(|wires| wires.martensite);
+        let martensite = display.hardware().martensite();
         let pass = PassEnd::of(projector, end, martensite);
         summary.faults = display.faults();
         summary.unit = display.unit();
