@@ -149,6 +149,9 @@ impl Source {
         found: impl Into<String>,
     ) -> FileError {
         let change = self.change(key).or_else(|| self.made(key));
+        // Errors of core bring the word with them.
+        let expected: String = expected.into();
+        let expected = expected.strip_prefix("expected ").unwrap_or(&expected);
         FileError {
             path: change.map_or(&self.label, |change| &change.by).clone(),
             line: change.is_none().then(|| self.line_of(key)),

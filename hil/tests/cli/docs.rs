@@ -92,7 +92,7 @@ fn needs(command: &str) -> Option<&'static str> {
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut pages = vec![root.join("README.md")];
-    for folder in ["docs", "docs/files"] {
+    for folder in ["docs", "docs/files", "docs/howto", "docs/start"] {
         let entries = fs::read_dir(root.join(folder)).unwrap();
         let paths = entries.map(|e| e.unwrap().path());
         pages.extend(paths.filter(|p| p.extension().is_some_and(|e| e == "md")));

@@ -242,6 +242,27 @@ fn a_map_outside_its_skin_is_refused_with_the_arithmetic() {
         assert_eq!(refused.status, Some(2));
         assert!(refused.err.contains(said), "{}", refused.err);
     }
+    let folder = Folder::new("strip");
+    let layout = folder.path("strip.toml").display().to_string();
+    good(&[
+        "new",
+        "layout",
+        "strip",
+        "--rows",
+        "1",
+        "--columns",
+        "4",
+        "--out",
+        &layout,
+    ]);
+    let refused = hil(&[
+        "run",
+        "sphere-along",
+        "--set",
+        &format!("layout={layout:?}"),
+    ]);
+    let said = "map.sensor_mm: expected a sensor rectangle of positive width";
+    assert!(refused.err.contains(said), "{}", refused.err);
     let fault = "faults=[{ at_s = 1.0, kind = \"bus-off\", bus = 0 }]";
     let refused = hil(&["run", "sphere-streamed", "--set", fault]);
     assert_eq!(refused.status, Some(2), "{}", refused.out);
