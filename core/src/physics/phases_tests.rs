@@ -191,11 +191,15 @@ fn a_rest_that_cannot_be_is_refused_by_name() {
 
 prop_compose! {
     fn wires()(
-        strain_m in 0.0..0.03_f64, part in 0.0..=1.0_f64, sag_um in 43.0..600.0_f64, stress in 0.0..60e6_f64,
+        strain_m in 0.0..0.03_f64, part in 0.0..=1.0_f64, sag_um in 43.0..600.0_f64,
+        stress in prop_oneof![0.0..60e6_f64, 0.0..=200e6_f64],
         slope_m in 3e6..20e6_f64, slope_r in 3e6..20e6_f64, reversible in prop_oneof![Just(0.0), 0.0..0.3_f64],
-        thick in 50.0..100.0_f64, passed in any::<bool>(), r in any::<bool>(),
+        thick in 50.0..100.0_f64, [passed, sag_passed, r] in any::<[bool; 3]>(),
+        coldest_c in proptest::option::of(-60.0..60.0_f64),
     ) -> WireParameters {
-        let mut wire = wire(if passed { PASSED } else { COLD }, sag_um);
+        let of = |passed| if passed { WireState::Passed } else { WireState::Cold };
+        let history = History { state: of(passed), sag_state: of(sag_passed), coldest_c };
+        let mut wire = wire(history, sag_um);
         wire.diameter_m = thick * 1e-6;
         wire.mechanics.transformation_strain = strain_m;
         if strain_m > 0.01 {
@@ -214,8 +218,8 @@ prop_compose! {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Over random temperatures and the stresses of random bows: every fraction and every sum in [0, 1], no step where an
-    /// event is, plays on or between their branches, and heat that warms.
+    /// Over random histories and temperatures, and the stresses of random bows: every share and every sum in [0, 1], no step
+    /// where an event is, plays on or between their branches, and heat that warms.
     #[test]
     fn phases_share_the_wire(wire in wires(), turns in proptest::collection::vec(-60.0..160.0_f64, 1..40)) {
         // Only strains that would make the temperature jump are refused.
@@ -226,7 +230,7 @@ proptest! {
             }
             Ok(law) => law,
         };
-        let mut phases = Phases::through(&law, law.history.state, None);
+        let mut phases = Phases::through(&law, law.history.state, law.history.coldest_c);
         for to in turns {
             let up = to > phases.at_c;
             phases.commit(&law, phases.at_c, up);
@@ -240,6 +244,8 @@ proptest! {
                 phases.commit(&law, event, up);
                 let [m, r] = phases.sums(&law);
                 prop_assert!(m >= -1e-12 && r >= -1e-12 && m + r <= 1.0 + 1e-12, "{m} {r}");
+                let [m, r] = phases.fractions(event);
+                prop_assert!(m >= 0.0 && r >= 0.0 && m + r <= 1.0, "{m} {r}");
                 let after = phases.sums(&law);
                 prop_assert!((before.2[0] - after[0]).abs() < 1e-10 && (before.2[1] - after[1]).abs() < 1e-10);
                 prop_assert!((before.0 - phases.strain()).abs() < 1e-12);
@@ -247,6 +253,8 @@ proptest! {
                 let [theta_m, theta_r] = phases.thetas(&law);
                 for (share, part) in law.shares.iter().zip(&phases.parts) {
                     within(&share.band, part.m, theta_m)?;
+                    let r = phases.rho.min(1.0 - part.m);
+                    prop_assert!((0.0..=1.0).contains(&r) && r + part.m <= 1.0, "{r} {}", part.m);
                 }
                 within(&law.r, phases.rho, theta_r)?;
                 let piece = &law.curve.pieces[phases.piece];

@@ -1,11 +1,11 @@
 //! Chip, amplifiers, wires and finger with every parameter its own, and an audit of the whole limit table over
 //! what they did.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use palpate_core::codec::pca9685::PRE_SCALE_RESET;
 use palpate_core::guard::{HARD, Limits, WornWire};
-use palpate_core::physics::{Alloy, RPhase, TissueParameters, WireParameters};
+use palpate_core::physics::{Alloy, History, RPhase, TissueParameters, WireParameters, WireState};
 use palpate_core::random::RandomStream;
 use palpate_core::units::{Channel, Clock, Milliamps, Prescale};
 use palpate_emulators::display::amplifier::Amplifier;
@@ -112,17 +112,62 @@ impl Parameters {
         Self { wire, ..self }
     }
 
-    /// Makes the wire another size, on a finger of another temperature at rest.
+    /// Makes the wires loose ones of the low alloy after a hot pass, their sags measured before it or after.
+    pub fn passed(self, s: &mut RandomStream) -> Self {
+        let loose = self.loose(s);
+        let sag_state = if s.next_u64().is_multiple_of(2) {
+            WireState::Cold
+        } else {
+            WireState::Passed
+        };
+        let wire = WireParameters {
+            alloy: Alloy::LOW,
+            history: History {
+                state: WireState::Passed,
+                sag_state,
+                coldest_c: None,
+            },
+            ..loose.wire
+        };
+        Self { wire, ..loose }
+    }
+
+    /// Makes the wire another size, on a finger of another temperature at rest. Its resistance goes with its size, that of
+    /// crimps and leads does not.
     pub fn sized(self, wire: WireParameters, rest_c: f64) -> Self {
+        let slender = |w: &WireParameters| w.length_m / (w.diameter_m * w.diameter_m);
+        let by = slender(&wire) / slender(&self.wire);
+        let share = self.wire.wire_share;
         let wire = WireParameters {
             diameter_m: wire.diameter_m,
             length_m: wire.length_m,
             air_h: wire.air_h,
             ends_c: rest_c,
+            resistance_ohm: self.wire.resistance_ohm * (1.0 + share * (by - 1.0)),
             ..self.wire
         };
         let skin = TissueParameters {
             body_c: rest_c,
+            ..self.skin
+        };
+        Self { wire, skin, ..self }
+    }
+
+    /// Puts the bench into the corner that the guard expects: all heat in a wire of the largest heat capacity, or of the
+    /// least, and the best contact.
+    pub fn in_the_worst_corner(self, s: &mut RandomStream) -> Self {
+        let wire = WireParameters {
+            wire_share: 1.0,
+            specific_heat: if s.next_u64().is_multiple_of(4) {
+                322.0
+            } else {
+                837.0
+            },
+            ..self.wire
+        };
+        let skin = TissueParameters {
+            contact_h: 10_000.0,
+            contact_fraction: 0.5,
             ..self.skin
         };
         Self { wire, skin, ..self }
@@ -194,6 +239,8 @@ pub struct Rig {
     next_sample: u64,
     /// The first limit that was passed.
     pub breach: Option<Breach>,
+    /// Largest part of each limit of heat and power that was reached, 0 at rest.
+    pub reached: BTreeMap<&'static str, f64>,
     /// Hottest 10 s mean.
     pub mean_c: f64,
 }
@@ -221,6 +268,7 @@ impl Rig {
             now: 0,
             next_sample: SAMPLE,
             breach: None,
+            reached: BTreeMap::new(),
             mean_c: rest_c,
         }
     }
@@ -296,7 +344,7 @@ impl Rig {
             p.past.pop_front();
         }
         self.limit("burst length", (burst.1 - burst.0) as f64, 50e6);
-        self.limit("burst energy", burst.2, 10e-3);
+        self.heat("burst energy", burst.2, 10e-3);
     }
 
     /// Mean power of one wire over the last `window` ns, W.
@@ -321,8 +369,8 @@ impl Rig {
             if self.pulses[wire].past.is_empty() {
                 continue;
             }
-            self.limit("wire power over 1 s", self.mean_w(wire, S), 45e-3);
-            self.limit("wire power over 10 s", self.mean_w(wire, 10 * S), 20e-3);
+            self.heat("wire power over 1 s", self.mean_w(wire, S), 45e-3);
+            self.heat("wire power over 10 s", self.mean_w(wire, 10 * S), 20e-3);
             tip[0] += self.mean_w(wire, S);
             tip[1] += self.mean_w(wire, 60 * S);
             let shallow = self.wires[wire].tissue(Nanos(self.now)).0;
@@ -335,9 +383,9 @@ impl Rig {
             let mean_c = rest_c + samples.iter().sum::<f64>() / 200.0;
             self.mean_c = self.mean_c.max(mean_c);
         }
-        self.limit("fingertip power over 1 s", tip[0], 110e-3);
-        self.limit("fingertip power over 60 s", tip[1], 60e-3);
-        self.limit("skin mean", self.mean_c, 41.0);
+        self.heat("fingertip power over 1 s", tip[0], 110e-3);
+        self.heat("fingertip power over 60 s", tip[1], 60e-3);
+        self.tissue("skin mean", self.mean_c, 41.0);
     }
 
     /// Looks at what is only known of the whole: skin, dose, supply. Pulses under way count as well.
@@ -355,10 +403,10 @@ impl Rig {
             let now = Nanos(self.now);
             let peaks = self.wires[wire].peaks(now);
             let dose = self.wires[wire].dose(now).unwrap_or_default();
-            self.limit("skin at 0.1 mm", peaks.shallow_c, 43.0);
-            self.limit("skin at 0.4 mm", peaks.deep_c, 41.0);
-            self.limit("Henriques' Omega", dose.omega, 0.01);
-            self.limit("CEM43", dose.cem43_min, 2.0);
+            self.tissue("skin at 0.1 mm", peaks.shallow_c, 43.0);
+            self.tissue("skin at 0.4 mm", peaks.deep_c, 41.0);
+            self.heat("Henriques' Omega", dose.omega, 0.01);
+            self.heat("CEM43", dose.cem43_min, 2.0);
         }
         let peak = f64::from(self.supply.peak().0.0);
         self.limit("supply", peak, f64::from(self.parameters.supply.0));
@@ -381,6 +429,26 @@ impl Rig {
             most.cem43_min = most.cem43_min.max(dose.cem43_min);
         }
         most
+    }
+
+    /// A limit of tissue, degrees C, of which rest takes nothing.
+    fn tissue(&mut self, limit: &'static str, value: f64, most: f64) {
+        let rest_c = self.parameters.skin.body_c;
+        self.heat(limit, value - rest_c, most - rest_c);
+    }
+
+    /// A limit of heat or power, with the part of it that was reached.
+    fn heat(&mut self, limit: &'static str, value: f64, most: f64) {
+        let reached = self.reached.entry(limit).or_default();
+        *reached = reached.max(value / most);
+        self.limit(limit, value, most);
+    }
+
+    /// Hottest wire, degrees C.
+    pub fn hottest_wire(&mut self) -> f64 {
+        let now = Nanos(self.now);
+        let peaks = self.wires.iter_mut().map(|w| w.peaks(now).wire_c);
+        peaks.fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn limit(&mut self, limit: &'static str, value: f64, most: f64) {

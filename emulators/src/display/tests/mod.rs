@@ -5,6 +5,7 @@ mod felt;
 mod others;
 mod properties;
 mod reference;
+mod rest;
 mod table;
 mod worn;
 
