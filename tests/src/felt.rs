@@ -132,6 +132,7 @@ impl Worn {
                     energy: place(met.energy_mm),
                     amplitude: place(met.amplitude_mm),
                     level_mdb: (met.levels.db() * 1e3).round() as i32,
+                    skin_nm: (met.skin_um * 1e3).round() as i32,
                     tap: met.tap(),
                 }),
                 ..event::Felt::default()

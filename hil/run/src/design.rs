@@ -47,6 +47,8 @@ pub struct DesignOutcome {
     pub width_s: f64,
     /// Levels over the person's threshold in the last second.
     pub levels: Levels,
+    /// Largest displacement of the skin in the last second, from end to end, um.
+    pub skin_um: f64,
     /// Hottest wire, degrees C.
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
@@ -107,6 +109,7 @@ pub fn outcome(
         resistance_ohm: wire.resistance_ohm,
         width_s,
         levels: Levels::SILENT,
+        skin_um: 0.0,
         wire_c: tissue.body_c,
         skin_c: [tissue.body_c; 2],
         excluded: forbidden(pattern, width_s, wire.resistance_ohm),
@@ -134,6 +137,7 @@ pub fn outcome(
     let tight = worn.was_tight(worn.now());
     if let Some(felt) = perceiver.felt(peaks.shallow_c) {
         outcome.levels = felt.levels;
+        outcome.skin_um = felt.skin_um;
     }
     let (wire_there, tissue_there) = worst(wire, tissue);
     let mut hottest = Wire::new(&wire_there, &tissue_there, tissue_there.body_c)?;

@@ -123,6 +123,7 @@ pub(super) fn feel(
         energy: place(met.energy_mm),
         amplitude: place(met.amplitude_mm),
         level_mdb: (met.levels.db() * 1e3).round() as i32,
+        skin_nm: (met.skin_um * 1e3).round() as i32,
         tap: met.tap(),
     };
     let event = |met: Option<&Felt>| {

@@ -15,6 +15,7 @@ use palpate_run::{Failure, plan};
 use rayon::prelude::*;
 use serde_json::Value;
 
+use super::design_response;
 use crate::cli::{Color, DesignArgs, Numbers};
 use crate::sweep::page;
 use palpate_live::output::{DESIGNS, Outputs, print, print_json};
@@ -41,6 +42,9 @@ type Computed = (DesignPoint, DesignOutcome, bool);
 /// # Errors
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
+    if let Some(bench) = &args.response {
+        return design_response::response(args, bench, color);
+    }
     let outputs = Outputs::of(args.force);
     if let Some(path) = &args.out {
         outputs.check_csv(path, DESIGNS)?;
@@ -165,7 +169,7 @@ fn drive(point: &DesignPoint, outcome: &DesignOutcome) -> String {
 }
 
 /// A point as columns of the file and keys of the JSON.
-fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
+fn fields((point, of, best): &Computed) -> [(&'static str, Value); 19] {
     let (w, p) = (&point.wire, &point.pattern);
     let thousandth = |v: f64| Value::from((v * 1e3).round() / 1e3);
     [
@@ -182,6 +186,7 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
         ("felt_db", thousandth(of.levels.db())),
         ("vibration_db", thousandth(of.levels.vibration_db)),
         ("flutter_db", thousandth(of.levels.flutter_db)),
+        ("skin_um", thousandth(of.skin_um)),
         ("wire_c", thousandth(of.wire_c)),
         ("skin_c", thousandth(of.skin_c[0])),
         ("skin_worst_c", thousandth(of.skin_c[1])),
@@ -245,14 +250,14 @@ fn tell(
     })
 }
 
-const HEADING: &str =
-    "    felt   tissue, worst   wire     wire, alloy            geometry and stress       drive";
+const HEADING: &str = "    felt      skin   tissue, worst   wire     wire, alloy            geometry and stress       drive";
 
 fn line(point: &DesignPoint, of: &DesignOutcome) -> String {
     let [wire, alloy] = &point.names;
     format!(
-        "{:>+5.1} dB   {:>5.1}, {:>5.1} C  {:>5.1} C   {:<22} {:<25} {}",
+        "{:>+5.1} dB  {:>5.1} um   {:>5.1}, {:>5.1} C  {:>5.1} C   {:<22} {:<25} {}",
         of.levels.db(),
+        of.skin_um,
         of.skin_c[0],
         of.skin_c[1],
         of.wire_c,
@@ -287,6 +292,7 @@ fn html(computed: &[Computed], person: &str) -> String {
     );
     let columns = [
         ("num", "felt [dB]"),
+        ("num", "skin [\u{b5}m]"),
         ("num", "tissue, worst [\u{b0}C]"),
         ("num", "wire [\u{b0}C]"),
         ("", "wire, alloy"),
@@ -296,6 +302,7 @@ fn html(computed: &[Computed], person: &str) -> String {
     let row = |(point, of, _): &Computed| {
         let cells = vec![
             format!("{:+.1}", of.levels.db()),
+            format!("{:.1}", of.skin_um),
             format!("{:.1}, {:.1}", of.skin_c[0], of.skin_c[1]),
             format!("{:.1}", of.wire_c),
             point.names.join(", "),

@@ -21,7 +21,7 @@ use gauss::Gauss;
 use palpate_core::physics::ParameterError;
 use palpate_core::vector::Vectors;
 use piece::{LEAK_S, Tables};
-pub use threshold::AreaThreshold;
+pub use threshold::{AreaThreshold, sine_threshold_um};
 pub use train::Kick;
 use wire::{Met, Shared, WireFilter};
 
@@ -129,6 +129,8 @@ pub struct Felt {
     pub amplitude_mm: (f64, f64),
     /// Filtered energy of all wires without a leak: the integral of the squared Pacinian output, um2 s.
     pub energy: f64,
+    /// Largest displacement of the tissue under any wire, from its lowest place to its highest, um.
+    pub skin_um: f64,
     /// Time from the first current to the last, s.
     pub seconds: f64,
 }
@@ -318,20 +320,13 @@ impl Perceiver {
     /// moved since then.
     pub fn felt(&self, skin_c: f64) -> Option<Felt> {
         let (mut energy, mut amplitude) = (Mean::default(), Mean::default());
-        let (mut strongest_p, mut strongest_n) = (0.0_f64, 0.0_f64);
-        for (
-            Met {
-                energy: e,
-                peak_p,
-                peak_n,
-            },
-            place,
-        ) in self.met()
-        {
-            energy.add(e, place);
-            amplitude.add(peak_p, place);
-            strongest_p = strongest_p.max(peak_p);
-            strongest_n = strongest_n.max(peak_n);
+        let [mut strongest_p, mut strongest_n, mut skin_um] = [0.0_f64; 3];
+        for (met, place) in self.met() {
+            energy.add(met.energy, place);
+            amplitude.add(met.peak_p, place);
+            strongest_p = strongest_p.max(met.peak_p);
+            strongest_n = strongest_n.max(met.peak_n);
+            skin_um = skin_um.max(met.swing_um());
         }
         let loss = if skin_c < COLD.0 {
             COLD.1 * (COLD.0 - skin_c)
@@ -353,6 +348,7 @@ impl Perceiver {
             energy_mm: energy.place(),
             amplitude_mm: amplitude.place(),
             energy: energy.weights,
+            skin_um,
             seconds: self.driven.map_or(0.0, |(first, last)| last - first),
         })
     }
@@ -365,7 +361,7 @@ impl Perceiver {
 
     /// An onset: what is met from now on is its. The leaky energy goes on.
     pub fn onset(&mut self) {
-        self.wires.iter_mut().for_each(|w| w.met = Met::default());
+        self.wires.iter_mut().for_each(WireFilter::onset);
         self.most = self.energy;
         (self.since_s, self.driven) = (0.0, None);
     }

@@ -1,6 +1,8 @@
 //! Threshold of the Pacinian channel by the area that moves. It adds up energy over area as over time: a larger contact is
 //! felt at a smaller amplitude (Gescheider 1994, 2002). NP I does not.
 
+use super::{Person, filter};
+
 /// Area up to which `summation` holds, cm2.
 const KNEE_CM2: f64 = 0.1;
 /// Exponent of larger areas. Assumed.
@@ -31,6 +33,12 @@ impl AreaThreshold {
         };
         libm::pow(KNEE_CM2 / area_cm2, exponent)
     }
+}
+
+/// Amplitude of a long sine that a person just feels under one wire, by either channel, um.
+pub fn sine_threshold_um(person: &Person, hz: f64) -> f64 {
+    let [vibration, flutter] = filter::gains(hz);
+    (person.vibration_um / vibration).min(person.flutter_um / flutter)
 }
 
 #[cfg(test)]

@@ -124,3 +124,47 @@ fn np2_feels_the_largest_peak_and_adds_up_nothing() {
     near(felt.intensity([0.5, 1.0]), libm::sqrt(10.0), 1e-9);
     assert!(felt.felt());
 }
+
+/// Filters in closed form, and the same filters fed with a sine, agree on which amplitude is just felt.
+#[test]
+fn a_sine_at_its_threshold_is_at_0_db() {
+    for hz in [10.0, 40.0, 100.0, 250.0, 300.0] {
+        let mut perceiver = one();
+        sine(&mut perceiver, hz, 0.0, 1.5);
+        perceiver.onset();
+        sine(&mut perceiver, hz, 0.0, 1.5);
+        let levels = perceiver.felt(33.0).unwrap().levels;
+        let um = sine_threshold_um(&person(1.0), hz);
+        near(levels.db(), -db(um), 0.02);
+    }
+    let deaf = Person {
+        flutter_um: 1e9,
+        ..person(0.6)
+    };
+    near(sine_threshold_um(&deaf, 250.0), 0.6, 1e-12);
+}
+
+/// The skin's way is from end to end, of the wire that moves it most, and an onset begins it anew.
+#[test]
+fn the_skin_moves_as_far_as_it_is_lifted() {
+    let mut perceiver = Perceiver::new(person(1.0), &[(0.0, 0.0), (3.0, 0.0)]).unwrap();
+    let kick = |um| [Kick { at_s: 0.0, um }];
+    perceiver.kicks(0, &kick(2.0), 0.0);
+    perceiver.kicks(0, &kick(1.5), 0.0);
+    perceiver.kicks(1, &kick(3.0), 0.0);
+    perceiver.settle();
+    near(perceiver.felt(33.0).unwrap().skin_um, 3.5, 1e-12);
+    perceiver.onset();
+    // It sinks back to a part e in 25 ms.
+    perceiver.kicks(0, &[], 0.025);
+    perceiver.settle();
+    let sunk = perceiver.felt(33.0).unwrap().skin_um;
+    near(sunk, 3.5 * (1.0 - libm::exp(-1.0)), 1e-9);
+    // Further down than it is then lifted: still one way.
+    perceiver.kicks(0, &kick(0.5), 0.0);
+    perceiver.settle();
+    near(perceiver.felt(33.0).unwrap().skin_um, sunk, 1e-12);
+    let mut swung = one();
+    sine(&mut swung, 100.0, 0.0, 0.1);
+    near(swung.felt(33.0).unwrap().skin_um, 2.0, 1e-3);
+}
