@@ -28,6 +28,8 @@ pub struct Outputs<'a> {
 
 /// Beginning of a table of `hil design`.
 pub const DESIGNS: &str = "wire,alloy,";
+/// Beginning of the table of a frequency response.
+pub const RESPONSES: &str = "hz,width_us,";
 
 /// Bytes from a file's start that show its kind.
 const START: u64 = 4096;
@@ -48,6 +50,7 @@ fn is_ours(start: &[u8], format: Format) -> bool {
                 || text.starts_with("txl1_x,")
                 || text.starts_with("label,trained,")
                 || text.starts_with(DESIGNS)
+                || text.starts_with(RESPONSES)
                 || RunTable::is_one(&text)
         }
         _ => text.contains("palpate"),

@@ -131,6 +131,9 @@ fn felt(events: &[Event]) -> Table {
         .with("amplitude_x_mm", &rows, |r| of_met(r, |m| m.amplitude.x))
         .with("amplitude_y_mm", &rows, |r| of_met(r, |m| m.amplitude.y))
         .with("level_db", &rows, |r| level(r.met))
+        .with("skin_um", &rows, |r| {
+            r.met.map_or(0.0, |m| milli(m.skin_nm))
+        })
         .with("tap", &rows, |r| r.met.is_some_and(|met| met.tap))
         .with("energy_requested", &rows, |r| milli(r.energy.requested))
         .with("energy_applied", &rows, |r| milli(r.energy.applied))

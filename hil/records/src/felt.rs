@@ -48,6 +48,8 @@ pub struct FeltPath {
     by: [Followed; 2],
     /// Number of onsets by level, thousandths of a decibel.
     levels: BTreeMap<i32, u64>,
+    /// Number of onsets by displacement of the skin, thousandths of a micrometre.
+    skins: BTreeMap<i32, u64>,
     taps: u64,
     /// Least and most: requested, applied, felt.
     energies: Option<[Range; 3]>,
@@ -78,6 +80,7 @@ impl FeltPath {
             soa_us,
             by: Default::default(),
             levels: BTreeMap::new(),
+            skins: BTreeMap::new(),
             taps: 0,
             energies: None,
         }
@@ -103,6 +106,7 @@ impl FeltPath {
         if inside {
             let level = self.levels.entry(met.map_or(SILENCE_MDB, |m| m.level_mdb));
             *level.or_insert(0) += 1;
+            *self.skins.entry(met.map_or(0, |m| m.skin_nm)).or_insert(0) += 1;
             self.taps += u64::from(met.is_some_and(|m| m.tap));
             let all = [energy.requested, energy.applied, energy.felt];
             let ranges = self.energies.get_or_insert([(u32::MAX, 0); 3]);
@@ -124,19 +128,11 @@ impl FeltPath {
 
     /// Level of the onsets so far; `None` where no contact was inside the display.
     pub fn level(&self) -> Option<FeltLevel> {
-        let count: u64 = self.levels.values().sum();
-        let at = |hundredths: u64| {
-            let place = hundredths * count.checked_sub(1)? / 100;
-            let mut below = 0;
-            let level = self.levels.iter().find(|(_, n)| {
-                below += **n;
-                below > place
-            });
-            level.map(|(level, _)| *level)
-        };
         Some(FeltLevel {
-            median_mdb: at(50)?,
-            p5_mdb: at(5)?,
+            median_mdb: ranked(&self.levels, 50)?,
+            p5_mdb: ranked(&self.levels, 5)?,
+            skin_median_nm: ranked(&self.skins, 50)?,
+            skin_most_nm: ranked(&self.skins, 100)?,
             taps: self.taps,
         })
     }
@@ -150,6 +146,18 @@ impl FeltPath {
             ("felt", felt),
         ])
     }
+}
+
+/// Value that so many hundredths of all lie below; `None` of none.
+fn ranked(counts: &BTreeMap<i32, u64>, hundredths: u64) -> Option<i32> {
+    let count: u64 = counts.values().sum();
+    let place = hundredths * count.checked_sub(1)? / 100;
+    let mut below = 0;
+    let value = counts.iter().find(|(_, n)| {
+        below += **n;
+        below > place
+    });
+    value.map(|(value, _)| *value)
 }
 
 impl Followed {
@@ -195,13 +203,18 @@ fn felt_step_um(wires: &[PlaceUm]) -> u64 {
     pairs.min().map_or(u64::MAX, |gap2| gap2.isqrt() / 5)
 }
 
-/// Levels over threshold of the onsets with a contact inside the display, thousandths of a decibel.
+/// Levels over threshold of the onsets with a contact inside the display, thousandths of a decibel, and the skin's
+/// displacement there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeltLevel {
     /// Half of the onsets were weaker.
     pub median_mdb: i32,
     /// One in twenty onsets was weaker.
     pub p5_mdb: i32,
+    /// Half of the onsets moved the skin less, thousandths of a micrometre.
+    pub skin_median_nm: i32,
+    /// No onset moved the skin more, thousandths of a micrometre.
+    pub skin_most_nm: i32,
     /// Onsets that were so short that they feel like taps.
     pub taps: u64,
 }

@@ -14,6 +14,7 @@ fn felt(t_us: u64, target: i32, felt: Option<(i32, i32, i32)>) -> Event {
             energy: at(energy),
             amplitude: at(amplitude),
             level_mdb,
+            skin_nm: 1_000 * i32::from(energy == 3_000) + 2_000,
             tap: t_us == 0,
         }),
         energy: EnergyPermille {
@@ -51,6 +52,8 @@ fn both_centroids_are_scored_apart() {
     let level = felt_level(&trace).unwrap();
     assert_eq!((level.median_mdb, level.p5_mdb), (3_000, -200_000));
     assert_eq!(level.taps, 1);
+    // Two of 3 um, three of 2 um, and an onset without motion.
+    assert_eq!((level.skin_median_nm, level.skin_most_nm), (2_000, 3_000));
     assert!((decibels(500) + 3.01).abs() < 0.01);
 }
 

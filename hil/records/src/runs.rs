@@ -42,12 +42,17 @@ const fn of(
 
 /// The figures of a row, in the order of the columns.
 #[rustfmt::skip]
-pub const MEASURED: [Measured; 17] = [
+pub const MEASURED: [Measured; 22] = [
     of("path_error_rmse_mm", "path error RMSE", "mm", "/path_error_mm/rmse"),
     of("path_error_max_mm", "path error at most", "mm", "/path_error_mm/max"),
-    of("felt_error_rmse_mm", "felt error RMSE", "mm", "/felt_error_mm/rmse"),
-    of("felt_error_max_mm", "felt error at most", "mm", "/felt_error_mm/max"),
+    of("felt_error_all_rmse_mm", "felt error RMSE, all onsets", "mm", "/felt_error_mm/everywhere/rmse"),
+    of("felt_error_all_max_mm", "felt error at most, all onsets", "mm", "/felt_error_mm/everywhere/max"),
+    of("felt_onsets_all", "onsets, all", "", "/felt_error_mm/everywhere/onsets"),
+    of("felt_error_rmse_mm", "felt error RMSE inside the wires", "mm", "/felt_error_mm/rmse"),
+    of("felt_error_max_mm", "felt error at most inside the wires", "mm", "/felt_error_mm/max"),
+    of("felt_onsets_inside", "onsets inside the wires", "", "/felt_error_mm/onsets"),
     of("felt_level_db", "felt level over threshold", "dB", "/felt/level_db/median"),
+    of("felt_skin_um", "displacement of the skin, median", "um", "/felt/skin_um/median"),
     of("felt_breaks", "breaks", "", "/felt_error_mm/breaks"),
     of("felt_jumps", "jumps", "", "/felt_error_mm/jumps"),
     of("hottest_skin_c", "hottest skin", "\u{b0}C", "/hottest_skin_c"),
@@ -63,9 +68,11 @@ pub const MEASURED: [Measured; 17] = [
 ];
 
 /// The figures that tell two results apart, the weightiest first: felt levels and places, margins of heat, and costs.
-pub const WEIGHTIEST: [&str; 16] = [
+pub const WEIGHTIEST: [&str; 18] = [
     "felt_level_db",
+    "felt_skin_um",
     "felt_breaks",
+    "felt_error_all_rmse_mm",
     "felt_error_rmse_mm",
     "felt_error_max_mm",
     "felt_jumps",

@@ -154,6 +154,7 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
                 energy: at,
                 amplitude: at,
                 level_mdb: (20e3 * (strongest / 0.17).log10()) as i32,
+                skin_nm: (9e3 * strongest) as i32,
                 tap: false,
             }
         });

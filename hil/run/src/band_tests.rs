@@ -14,7 +14,7 @@ fn setup(set: &[&str]) -> Setup {
     setup.with(&overrides).unwrap()
 }
 
-fn felt(setup: &Setup) -> crate::summary::FeltSummary {
+fn felt(setup: &Setup) -> crate::summary_felt::FeltSummary {
     let keep = Keep {
         band: true,
         ..Keep::default()

@@ -47,6 +47,8 @@ pub struct DesignOutcome {
     pub width_s: f64,
     /// Levels over the person's threshold in the last second.
     pub levels: Levels,
+    /// Largest displacement of the skin in the last second, from end to end, um.
+    pub skin_um: f64,
     /// Hottest wire, degrees C.
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
@@ -74,16 +76,18 @@ pub fn resized(wire: &WireParameters, diameter_m: f64, length_m: f64) -> WirePar
 }
 
 /// The worst corner of the guard's parameter range for tissue over seconds (`docs/guard.md`): best contact, all the heat
-/// in the wire, and a wire that gives off late what it took.
+/// in the wire, a wire that gives off late what it took, and the warmest finger.
 fn worst(wire: &WireParameters, tissue: &TissueParameters) -> (WireParameters, TissueParameters) {
     let wire = WireParameters {
         wire_share: 1.0,
         specific_heat: 837.0,
         ..*wire
     };
+    let guarded_c = f64::from(WornWire::default().rest_mc) / 1e3;
     let tissue = TissueParameters {
         contact_h: 10_000.0,
         contact_fraction: 0.5,
+        body_c: tissue.body_c.max(guarded_c),
         ..*tissue
     };
     (wire, tissue)
@@ -105,6 +109,7 @@ pub fn outcome(
         resistance_ohm: wire.resistance_ohm,
         width_s,
         levels: Levels::SILENT,
+        skin_um: 0.0,
         wire_c: tissue.body_c,
         skin_c: [tissue.body_c; 2],
         excluded: forbidden(pattern, width_s, wire.resistance_ohm),
@@ -132,9 +137,10 @@ pub fn outcome(
     let tight = worn.was_tight(worn.now());
     if let Some(felt) = perceiver.felt(peaks.shallow_c) {
         outcome.levels = felt.levels;
+        outcome.skin_um = felt.skin_um;
     }
     let (wire_there, tissue_there) = worst(wire, tissue);
-    let mut hottest = Wire::new(&wire_there, &tissue_there, tissue.body_c)?;
+    let mut hottest = Wire::new(&wire_there, &tissue_there, tissue_there.body_c)?;
     let end = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
     outcome.wire_c = peaks.wire_c;
     outcome.skin_c = [peaks.shallow_c, hottest.peaks(end).shallow_c];

@@ -184,7 +184,7 @@ impl EmulatedDisplay {
         };
         // What is felt of a pass counts for no figure.
         if setup.pass.itself().is_none() {
-            let person = plan::person(&setup.person.value);
+            let person = plan::emulated_person(setup);
             let impossible =
                 |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
             display.worn_by(person).map_err(impossible)?;

@@ -41,7 +41,7 @@ impl FullDrive {
             at = at + Nanos(prescale.period_ns());
             pulses += 1;
         }
-        let person = plan::person(&setup.person.value);
+        let person = plan::emulated_person(setup);
         let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
         alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
@@ -123,6 +123,7 @@ pub(super) fn feel(
         energy: place(met.energy_mm),
         amplitude: place(met.amplitude_mm),
         level_mdb: (met.levels.db() * 1e3).round() as i32,
+        skin_nm: (met.skin_um * 1e3).round() as i32,
         tap: met.tap(),
     };
     let event = |met: Option<&Felt>| {

@@ -89,12 +89,14 @@ impl Summary {
         };
         let s = if meant == 1 { "" } else { "s" };
         let level = self.felt.level_db.as_ref();
-        let level = level.map_or_else(String::new, |l| format!(", {:+.1} dB median", l.median));
+        let level = level.map_or_else(String::new, |l| format!(", {:+.1} dB", l.median));
+        let skin = self.felt.skin_um.as_ref();
+        let skin = skin.map_or_else(String::new, |um| format!(", {:.1} um", um.median));
         let band = self.felt.band.as_ref().map_or_else(String::new, |band| {
             let [low, high] = band.level_db;
-            format!(", band {low:+.1} to {high:+.1} dB")
+            format!("; band {low:+.1} to {high:+.1} dB")
         });
-        format!("{percent} % of {meant} onset{s}{level}{band}")
+        format!("{percent} % of {meant} onset{s}{level}{skin}{band}")
     }
 
     fn felt_error_words(&self) -> String {
@@ -103,11 +105,10 @@ impl Summary {
             return "- (nothing felt on a known path)".to_owned();
         };
         let inside = match (felt.rmse, felt.onsets) {
-            (Some(rmse), 1) => format!("{rmse:.2} inside the wires (1 onset)"),
-            (Some(rmse), n) => format!("{rmse:.2} inside the wires ({n} onsets)"),
+            (Some(rmse), n) => format!("{rmse:.2} over the {n} inside the wires"),
             (None, _) => "no onset inside the wires".to_owned(),
         };
-        format!("{:.2} mm RMSE over all, {inside}", all.rmse)
+        format!("{:.2} mm RMSE over all {}, {inside}", all.rmse, all.onsets)
     }
 
     /// Advice on the next step.

@@ -19,111 +19,15 @@ use super::recorder::{Recorder, word};
 use super::script::FaultReport;
 use super::session::Session;
 use super::skin_end::SkinEnd;
-use crate::band::{FeltBand, FeltCorner};
 use crate::heat::HeatReport;
 use crate::known::{known_tissue, known_wire};
 use crate::onsets::Onsets;
 use crate::pass::PassReport;
 use crate::path_error::PathError;
-use crate::plan;
+use crate::summary_felt::{CountedError, FeltError, FeltSummary};
 use crate::texture_summary::TextureSummary;
 use crate::unit::UnitReport;
-use palpate_files::{Bench, Scene};
-
-/// Felt level over threshold, and the person who felt it: the headline.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs)] // the keys say what they are, with their units
-pub struct FeltSummary {
-    /// The emulated person.
-    pub person: String,
-    /// The wires' file.
-    pub preset: String,
-    /// Level over the onsets with a contact inside the display; null where there was none.
-    pub level_db: Option<LevelDb>,
-    pub error_energy_mm: Option<PathError>,
-    pub error_amplitude_mm: Option<PathError>,
-    /// Onsets with a contact inside the display and a level below threshold; null where no onset had a contact there.
-    pub breaks: Option<u64>,
-    /// Jumps by the energy centroid; null as breaks.
-    pub jumps: Option<u64>,
-    /// Onsets that feel like taps.
-    pub taps: u64,
-    /// Level that the scene asks for; null where it asks for none.
-    pub asked: Option<AskedLevel>,
-    /// Level that one wire at the limits lacks for this person to feel it, dB; null where something is felt.
-    pub missing_db: Option<f64>,
-    /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
-    pub band: Option<FeltBand>,
-    /// State in which the wires began; left out of a summary over several displays.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub state: Option<&'static str>,
-    /// The run in each state of its wires; left out where nothing shows it.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub states: Vec<FeltCorner>,
-}
-
-/// A level that a scene asks for, and the level that heat leaves: all in dB over the threshold that the loop believes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AskedLevel {
-    /// Asked level of a contact at the top level.
-    pub level_db: f64,
-    /// Level that the limits sustain for ten minutes, by their arithmetic, of a contact that moves over all wires.
-    pub moving_db: f64,
-    /// Level that the limits sustain for ten minutes of a contact at rest on one wire.
-    pub resting_db: f64,
-    /// Onsets with a contact on the display.
-    pub onsets: u64,
-    /// Onsets that heat made weaker by more than a just noticeable difference.
-    pub weaker: u64,
-    /// The least level that was left.
-    pub least_db: f64,
-}
-
-impl AskedLevel {
-    /// Asked level of a run that is over; `None` where the scene asks for none.
-    #[must_use]
-    pub fn of(scene: &Scene, projector: &Projector) -> Option<Self> {
-        let (level_db, renderer) = scene.illusion.level_db.zip(projector.renderer())?;
-        let (reached, borne) = (renderer.reached(), renderer.borne());
-        let of = |part: f32| level_db + plan::decibels(part.min(1.0));
-        Some(Self {
-            level_db,
-            moving_db: of(borne.moving),
-            resting_db: of(borne.resting),
-            onsets: reached.onsets,
-            weaker: reached.weaker,
-            least_db: of(reached.least),
-        })
-    }
-}
-
-/// Level over threshold, dB.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LevelDb {
-    /// Level that half of the onsets lie below.
-    pub median: f64,
-    /// Level that one onset in twenty lies below.
-    pub p5: f64,
-}
-
-/// Error of the felt place, with the onsets at which nothing was felt.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FeltError {
-    /// Root mean square, display mm, over the onsets inside the display; `None` where nothing was felt or no truth is known.
-    pub rmse: Option<f64>,
-    /// Largest.
-    pub max: Option<f64>,
-    /// Onsets of both figures.
-    pub onsets: u64,
-    /// Error over all onsets, with the contact inside the display or not.
-    pub everywhere: Option<PathError>,
-    /// Onsets with a contact inside the hull and a level below threshold; `None` where no onset had one.
-    pub breaks: Option<u64>,
-    /// Onsets at which the felt place went further than the contact by a step that can be felt; `None` as breaks.
-    pub jumps: Option<u64>,
-    /// Centroid by which a place was felt.
-    pub perceiver: &'static str,
-}
+use palpate_files::Bench;
 
 /// Summary of one of several displays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -339,36 +243,6 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
-impl FeltSummary {
-    /// Headline of a run from its errors by both centroids.
-    fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
-        let level = path.level();
-        let decibels = |mdb: i32| f64::from(mdb) * 1e-3;
-        let error = |felt: &FeltError| {
-            let (rmse, max) = (felt.rmse?, felt.max?);
-            Some(PathError { rmse, max })
-        };
-        Self {
-            person: header.person.clone(),
-            preset: header.preset.clone(),
-            level_db: level.map(|level| LevelDb {
-                median: decibels(level.median_mdb),
-                p5: decibels(level.p5_mdb),
-            }),
-            error_energy_mm: error(energy),
-            error_amplitude_mm: error(amplitude),
-            breaks: energy.breaks,
-            jumps: energy.jumps,
-            taps: level.map_or(0, |level| level.taps),
-            asked: None,
-            missing_db: None,
-            band: None,
-            state: None,
-            states: Vec::new(),
-        }
-    }
-}
-
 /// Trace and summary of a session, from its records until `end`. Fields that only one kind of bench knows are left for
 /// its run to fill in: the hardware's totals where it is emulated, its pacing where it is real.
 pub fn finished<S: SkinEnd, D: DisplayEnd>(
@@ -423,7 +297,7 @@ impl Summary {
                 rmse: errors.map(|e| e.rmse),
                 max: errors.map(|e| e.max),
                 onsets: inside.map_or(0, |e| e.count),
-                everywhere: known(score.everywhere).map(PathError::from),
+                everywhere: known(score.everywhere).map(CountedError::from),
                 breaks: is_scored.then_some(score.breaks),
                 jumps: is_scored.then_some(score.jumps),
                 perceiver: score.perceiver,

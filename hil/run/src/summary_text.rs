@@ -10,9 +10,8 @@ use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
 use crate::pass::PassReport;
 use crate::path_error::PathError;
-use crate::summary::{
-    AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels,
-};
+use crate::summary::{DisplaySummary, EnergyDb, Summary, Taxels};
+use crate::summary_felt::{AskedLevel, FeltError, FeltSummary};
 
 /// Three digits or so, whatever the size.
 fn short(v: f64) -> String {
@@ -42,12 +41,23 @@ fn and_counted(count: Option<u64>, one: &str) -> String {
 impl FeltError {
     fn words(&self) -> String {
         let jumps = and_counted(self.jumps, "jump");
-        match (self.rmse, self.max) {
+        let onsets = |count: u64| counted(count, "onset");
+        let inside = match (self.rmse, self.max) {
             (Some(rmse), Some(max)) => format!(
-                "{}: {rmse:.2} mm RMSE, {max:.2} mm at most{jumps}",
-                self.perceiver
+                "{rmse:.2} mm, {max:.2} at most inside the wires ({})",
+                onsets(self.onsets)
             ),
-            _ => format!(
+            _ => "no onset inside the wires".to_owned(),
+        };
+        match &self.everywhere {
+            Some(all) => format!(
+                "{}: {:.2} mm RMSE, {:.2} at most over all {}; {inside}{jumps}",
+                self.perceiver,
+                all.rmse,
+                all.max,
+                onsets(all.onsets)
+            ),
+            None => format!(
                 "{}: - (nothing felt on a known path){jumps}",
                 self.perceiver
             ),
@@ -63,9 +73,15 @@ impl FeltSummary {
                 level.median, level.p5
             )
         });
+        let skin = self.skin_um.as_ref().map_or_else(String::new, |um| {
+            format!(
+                ", skin {:.1} um (median), {:.1} at most",
+                um.median, um.most
+            )
+        });
         let breaks = and_counted(self.breaks, "break");
         format!(
-            "{level}{breaks}; person {}, wires {}{}",
+            "{level}{skin}{breaks}; person {}, wires {}{}",
             self.person,
             self.preset,
             self.state
@@ -144,8 +160,17 @@ impl DisplaySummary {
             (None, 0) => String::new(),
             (None, stops) => format!("; stopped {}", counted(stops, "time")),
         };
-        let error = self.felt.error_energy_mm.as_ref();
-        let error = error.map_or_else(|| "-".into(), |e| format!("{:.2} mm RMSE", e.rmse));
+        let all = self.felt.error_energy_all_mm.as_ref();
+        let error = all.map_or_else(
+            || "-".into(),
+            |all| {
+                let inside = self.felt.error_energy_mm.as_ref();
+                let inside = inside.map_or_else(String::new, |e| {
+                    format!(" ({:.2} in {} inside)", e.rmse, self.felt.onsets_inside)
+                });
+                format!("{:.2} mm RMSE over {}{inside}", all.rmse, all.onsets)
+            },
+        );
         let level = self.felt.level_db.as_ref();
         let level = level.map_or_else(|| "-".into(), |l| format!("{:+.1} dB", l.median));
         let texture = self.texture.as_ref().map(|t| t.words());

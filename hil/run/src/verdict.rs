@@ -7,7 +7,8 @@ use palpate_records::model;
 use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::{Conclusion, Verdict};
 
-use crate::summary::{AskedLevel, Summary};
+use crate::summary::Summary;
+use crate::summary_felt::AskedLevel;
 use crate::{Failure, Outcome};
 
 /// Modules and boards named one by one.

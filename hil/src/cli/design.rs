@@ -70,6 +70,13 @@ pub struct DesignArgs {
     /// The person who feels it, built in or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
+    /// Show the frequency response of this bench's wire from 10 to 300 Hz in place of the table, as a vibrometer would.
+    #[arg(
+        long,
+        value_name = "BENCH|FILE",
+        conflicts_with_all = ["wire", "alloy", "diameter_um", "length_mm", "stress_mpa", "current_a", "pulses", "cadence_ms", "power_mw", "seconds"]
+    )]
+    pub response: Option<String>,
     /// Time for which a wire is driven, s.
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = |t: &str| within(t, (3.0, 3600.0), " s"), allow_hyphen_values = true)]
     pub seconds: f64,

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::io;
 
-use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
-use palpate_files::{Format, load_alloy, load_person, load_wire};
+use palpate_core::physics::{ParameterError, WireParameters};
+use palpate_files::{BenchTissue, Format, load_alloy, load_person, load_wire};
 use palpate_records::report::page::wide;
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{self, Plot, Svg, dot, escape, path_key};
@@ -16,6 +16,7 @@ use palpate_run::{Failure, plan};
 use rayon::prelude::*;
 use serde_json::Value;
 
+use super::design_response;
 use crate::cli::{Color, DesignArgs, Numbers};
 use crate::sweep::page;
 use palpate_live::output::{DESIGNS, Outputs, print, print_json};
@@ -42,6 +43,9 @@ type Computed = (DesignPoint, DesignOutcome, bool);
 /// # Errors
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
+    if let Some(bench) = &args.response {
+        return design_response::response(args, bench, color);
+    }
     let outputs = Outputs::of(args.force);
     if let Some(path) = &args.out {
         outputs.check_csv(path, DESIGNS)?;
@@ -52,11 +56,11 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
     let person = load_person(&args.person)?.value;
     let points = points(args)?;
     let progress = Progress::counted("designs", points.len() as u64, "points");
-    let tissue = TissueParameters::DEFAULT;
-    let felt_by = plan::person(&person);
+    let tissue = BenchTissue::default().parameters();
     let of = |point: &DesignPoint| {
         // A bench passes its wires before a run, where that lasts.
         let wire = lasting(&point.wire, &tissue).unwrap_or(point.wire);
+        let felt_by = plan::person(&person, &wire, &tissue);
         let outcome = outcome(&wire, &tissue, &point.pattern, felt_by, args.seconds);
         progress.step();
         outcome.map_err(|e: ParameterError| {
@@ -123,6 +127,7 @@ fn points(args: &DesignArgs) -> Result<Vec<DesignPoint>, Failure> {
                         let sized = resized(&base, diameter_um / 1e6, length_mm / 1e3);
                         let wire = WireParameters {
                             bias_stress_pa: stress_mpa * 1e6,
+                            ends_c: BenchTissue::default().rest_c,
                             ..sized
                         };
                         if points.len() + patterns.len() > MOST {
@@ -167,7 +172,7 @@ fn drive(point: &DesignPoint, outcome: &DesignOutcome) -> String {
 }
 
 /// A point as columns of the file and keys of the JSON.
-fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
+fn fields((point, of, best): &Computed) -> [(&'static str, Value); 19] {
     let (w, p) = (&point.wire, &point.pattern);
     let thousandth = |v: f64| Value::from((v * 1e3).round() / 1e3);
     [
@@ -184,6 +189,7 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
         ("felt_db", thousandth(of.levels.db())),
         ("vibration_db", thousandth(of.levels.vibration_db)),
         ("flutter_db", thousandth(of.levels.flutter_db)),
+        ("skin_um", thousandth(of.skin_um)),
         ("wire_c", thousandth(of.wire_c)),
         ("skin_c", thousandth(of.skin_c[0])),
         ("skin_worst_c", thousandth(of.skin_c[1])),
@@ -247,14 +253,14 @@ fn tell(
     })
 }
 
-const HEADING: &str =
-    "    felt   tissue, worst   wire     wire, alloy            geometry and stress       drive";
+const HEADING: &str = "    felt      skin   tissue, worst   wire     wire, alloy            geometry and stress       drive";
 
 fn line(point: &DesignPoint, of: &DesignOutcome) -> String {
     let [wire, alloy] = &point.names;
     format!(
-        "{:>+5.1} dB   {:>5.1}, {:>5.1} C  {:>5.1} C   {:<22} {:<25} {}",
+        "{:>+5.1} dB  {:>5.1} um   {:>5.1}, {:>5.1} C  {:>5.1} C   {:<22} {:<25} {}",
         of.levels.db(),
+        of.skin_um,
         of.skin_c[0],
         of.skin_c[1],
         of.wire_c,
@@ -289,6 +295,7 @@ fn html(computed: &[Computed], person: &str) -> String {
     );
     let columns = [
         ("num", "felt [dB]"),
+        ("num", "skin [\u{b5}m]"),
         ("num", "tissue, worst [\u{b0}C]"),
         ("num", "wire [\u{b0}C]"),
         ("", "wire, alloy"),
@@ -298,6 +305,7 @@ fn html(computed: &[Computed], person: &str) -> String {
     let row = |(point, of, _): &Computed| {
         let cells = vec![
             format!("{:+.1}", of.levels.db()),
+            format!("{:.1}", of.skin_um),
             format!("{:.1}, {:.1}", of.skin_c[0], of.skin_c[1]),
             format!("{:.1}", of.wire_c),
             point.names.join(", "),

@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod contacts;
 mod design;
+mod design_response;
 mod devices;
 mod diff;
 mod doctor;

@@ -12,9 +12,15 @@ const OF_THE_MACHINE: [&str; 6] = ["wall_s", "frame_us", "took_s", "date", "vers
 /// Keys that name the items of a list, so that another order is no difference.
 const NAMES: [&str; 3] = ["name", "trial", "interface"];
 /// Places of a summary that repeat the value of another place, each with that place.
-const TWINS: [(&str, &str); 4] = [
+const TWINS: [(&str, &str); 7] = [
     ("/felt/error_energy_mm", "/felt_error_mm"),
     ("/felt/error_amplitude_mm", "/felt_error_amplitude_mm"),
+    ("/felt/error_energy_all_mm", "/felt_error_mm/everywhere"),
+    (
+        "/felt/error_amplitude_all_mm",
+        "/felt_error_amplitude_mm/everywhere",
+    ),
+    ("/felt/onsets_inside", "/felt_error_mm/onsets"),
     ("/felt/breaks", "/felt_error_mm/breaks"),
     ("/felt/jumps", "/felt_error_mm/jumps"),
 ];

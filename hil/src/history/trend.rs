@@ -23,8 +23,9 @@ const MOST: u64 = 64 << 20;
 /// Depth to which folders are searched.
 const DEPTH: usize = 8;
 /// The figures of the table; the page has all.
-const SHOWN: [&str; 5] = [
+const SHOWN: [&str; 6] = [
     "path_error_rmse_mm",
+    "felt_error_all_rmse_mm",
     "felt_error_rmse_mm",
     "felt_level_db",
     "hottest_skin_c",

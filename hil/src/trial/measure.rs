@@ -140,6 +140,7 @@ pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
     let is_real = setup.bench.value.is_hardware();
     let path = summary.path_error_mm;
     let felt = summary.felt_error_mm.rmse;
+    let everywhere = summary.felt_error_mm.everywhere.map(|e| e.rmse);
     let mut all = vec![
         Measure::new(
             "path error RMSE",
@@ -154,6 +155,7 @@ pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
             expect.path_max_mm,
         ),
         Measure::new("felt error RMSE", felt, "mm", expect.felt_rmse_mm),
+        Measure::new("felt error RMSE over all onsets", everywhere, "mm", None),
     ];
     if is_real {
         for measure in &mut all {

@@ -29,6 +29,16 @@ pub type State = [f64; STATES];
 /// Jump of the states where the tissue is lifted at once by 1 um.
 pub const LIFT: State = [0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
+/// Gains of P and N for a sine of this frequency, 1.
+pub fn gains(hz: f64) -> [f64; 2] {
+    let band = |w: f64| {
+        let x = TAU * hz / w;
+        (x, (1.0 - x * x) * (1.0 - x * x) + x * x)
+    };
+    let ((p, p_square), (n, n_square)) = (band(P), band(N));
+    [p * p / p_square, n / libm::sqrt(n_square)]
+}
+
 /// States of the forced part under a displacement whose rate is exp(-lambda t), at t = 0, s.
 ///
 /// The poles of both filters are complex, so no real rate meets one.

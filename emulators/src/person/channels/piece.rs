@@ -56,6 +56,8 @@ impl Regime {
 struct Table {
     /// exp(-rate t) at the end.
     decay: [f64; MODES],
+    /// Integral of exp(-rate t) over the piece, s.
+    lasting: [f64; MODES],
     /// exp(-rate t) at the nodes, by mode.
     nodes: [[f64; gauss::NODES]; MODES],
     /// Free outputs at the nodes, by state.
@@ -76,8 +78,14 @@ impl Table {
 
     #[inline(always)]
     fn plain(rule: &Gauss, rates: &[f64; MODES], seconds: f64) -> Self {
+        let (decay, fallen) = decays(rates, seconds);
+        let lasting = core::array::from_fn(|k| match rates[k] == 0.0 {
+            true => seconds,
+            false => fallen[k] / rates[k],
+        });
         let mut table = Self {
-            decay: decays(rates, seconds).0,
+            decay,
+            lasting,
             nodes: [[0.0; gauss::NODES]; MODES],
             rings: [[0.0; BOTH]; STATES],
             free: Free::over(seconds),
@@ -116,6 +124,12 @@ impl Piece<'_> {
         &self.table.decay
     }
 
+    /// Way of the displacement over the piece whose rate has these terms at the start, um/s: um.
+    pub fn way(&self, terms: &[f64; MODES]) -> f64 {
+        let ways = self.table.lasting.iter().zip(terms);
+        ways.map(|(s, term)| s * term).sum()
+    }
+
     /// exp(t / tau) over the piece, 1.
     pub const fn swollen(&self) -> f64 {
         self.table.swollen
@@ -133,6 +147,7 @@ impl Piece<'_> {
     fn plain_pass(&self, terms: &[f64; MODES], x: &mut State) -> Outputs {
         let Table {
             decay,
+            lasting: _,
             nodes,
             rings,
             free,

@@ -56,6 +56,8 @@ pub struct WireFilter {
     pub now_s: f64,
     swollen: f64,
     pub energy: f64,
+    /// Displacement of the tissue from where it was at first, um.
+    um: f64,
     /// Way that lifted tissue still has to sink, um.
     pub lifted_um: f64,
     pub met: Met,
@@ -69,6 +71,16 @@ pub struct Met {
     /// Largest output of both channels, um.
     pub peak_p: f64,
     pub peak_n: f64,
+    /// Least and most displacement from where the onset found the tissue, um.
+    pub reach_um: [f64; 2],
+}
+
+impl Met {
+    /// Displacement of the tissue from its one end to the other, um.
+    pub const fn swing_um(&self) -> f64 {
+        let [low, high] = self.reach_um;
+        high - low
+    }
 }
 
 impl WireFilter {
@@ -79,8 +91,25 @@ impl WireFilter {
                 *x += um * by;
             }
             self.lifted_um += um;
+            self.go(um);
         }
         self.quiet_s = 0.0;
+    }
+
+    /// Moves the tissue by a way whose ends are its extremes, um.
+    fn go(&mut self, way: f64) {
+        let at = self.um + way;
+        if at.is_finite() {
+            self.um = at;
+            let [low, high] = self.met.reach_um;
+            self.met.reach_um = [low.min(at), high.max(at)];
+        }
+    }
+
+    /// Begins an onset: what is met from here on is its.
+    pub fn onset(&mut self) {
+        self.met = Met::default();
+        self.um = 0.0;
     }
 
     /// Lets a stretch pass. A stretch that is not finite does not move the tissue.
@@ -146,7 +175,7 @@ impl WireFilter {
         } = shared;
         let known = tables.of(rule, *vectors, stretch.regime, &stretch.rates, piece);
         let mut outputs = known.pass(*vectors, terms, &mut self.x);
-        let grown = known.swollen();
+        let (grown, way) = (known.swollen(), known.way(terms));
         for (term, decay) in terms.iter_mut().zip(known.decay()) {
             *term *= decay;
         }
@@ -173,6 +202,7 @@ impl WireFilter {
         self.met.energy += piece * rule.mean(&outputs.p.map(|y| y * y));
         raise(rule, *vectors, &outputs.p, &mut self.met.peak_p);
         raise(rule, *vectors, &outputs.n, &mut self.met.peak_n);
+        self.go(way);
     }
 
     /// Tells whether nothing moves, and nothing rings.

@@ -75,7 +75,8 @@ class _Tables:
 
         time_us, target_x_mm and target_y_mm (the contact on the display), inside (of its hull), felt (level not below
         0 dB), x_mm and y_mm (centroid by energy; NaN where no wire moved), amplitude_x_mm and amplitude_y_mm,
-        level_db (over threshold; -inf where no wire moved), tap, energy_requested, energy_applied, energy_felt (parts
+        level_db (over threshold; -inf where no wire moved), skin_um (the skin's displacement under the wire that moves it
+        most, from end to end), tap, energy_requested, energy_applied, energy_felt (parts
         of one wire's at full drive).
         """
         return self._table("felt")

@@ -255,6 +255,7 @@ impl<'a> Described<'a> for event::Felt {
         let (mut energy, mut amplitude) =
             (self.met.map(|m| m.energy), self.met.map(|m| m.amplitude));
         let mut level_db = self.met.map_or(f64::NAN, |m| f64::from(m.level_mdb) * 1e-3);
+        let mut skin_nm = self.met.map_or(0, |m| m.skin_nm);
         let mut tap = self.met.is_some_and(|m| m.tap);
         let all = &mut self.energy;
         visit.place(["target_x_mm", "target_y_mm"], &mut self.target);
@@ -267,10 +268,12 @@ impl<'a> Described<'a> for event::Felt {
         visit.whole("felt_permille", &mut all.felt);
         visit.real("level_db", &mut level_db);
         visit.truth("tap", &mut tap);
+        visit.milli("skin_um", &mut skin_nm);
         self.met = energy.zip(amplitude).map(|(energy, amplitude)| FeltAt {
             energy,
             amplitude,
             level_mdb: (level_db * 1e3).round() as i32,
+            skin_nm,
             tap,
         });
     }

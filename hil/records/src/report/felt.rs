@@ -45,7 +45,7 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
         page,
         "<section><h2>Felt level and error over time</h2><p class=\"sub\">Each dot is an onset with one contact: its level \
          over the person's threshold, and how far from the contact's place it is felt, by energy. Levels under \
-         {FLOOR_DB:.0} dB are drawn there. Median and RMSE are those inside the wires.</p>\n{}{}\
+         {FLOOR_DB:.0} dB are drawn there. The median is that inside the wires, the RMSE that over all onsets.</p>\n{}{}\
          <div class=\"legend\">{legend}</div></section>",
         levels.finish(1, ""),
         errors.map_or_else(String::new, |plot| plot.named().finish(2, ""))
@@ -100,7 +100,7 @@ fn errors(trace: &Trace, onsets: &[&event::Felt]) -> Option<TimePlot> {
     let mut plot = TimePlot::new(label, "mm", 130.0, (0, length_us(trace)), y);
     plot.y_axis("felt error [mm]");
     let [energy, _] = felt_scores(trace);
-    if let Some(rmse) = energy.errors.map(|e| e.rmse_um as f64 * 1e-3) {
+    if let Some(rmse) = energy.everywhere.map(|e| e.rmse_um as f64 * 1e-3) {
         plot.bound(rmse, "median", &format!("RMSE {rmse:.2} mm"));
     }
     paths(&mut plot, onsets, error);

@@ -4,9 +4,8 @@ use super::BandRow;
 use super::series::span;
 use super::svg::escape;
 use crate::felt::{felt_level, felt_scores};
-use crate::fixed::distance2_um;
 use crate::margin::{Limited, Margin};
-use crate::measure::{Sum, path_error};
+use crate::measure::path_error;
 use crate::model;
 use crate::trace::{Trace, event};
 use std::fmt::Write;
@@ -83,7 +82,8 @@ fn onsets(trace: &Trace) -> Option<Tile> {
 
 fn level(trace: &Trace, band: &[BandRow]) -> Option<Tile> {
     let level = felt_level(trace)?;
-    let mut more = "median inside the wires".to_owned();
+    let um = f64::from(level.skin_median_nm) * 1e-3;
+    let mut more = format!("and {um:.1} um of the skin, median inside the wires");
     let (low, high) = span(band.iter().flat_map(|row| row.level_db));
     if low <= high {
         let _ = write!(more, "; band {low:+.1} to {high:+.1} dB");
@@ -103,14 +103,8 @@ fn mm(um: u64) -> String {
 fn felt_error(trace: &Trace) -> Option<Tile> {
     // Without a true path there is nothing to hold the felt path against.
     trace.each::<event::Truth>().next()?;
-    let mut all = Sum::default();
-    for onset in trace.each::<event::Felt>() {
-        if let Some(met) = &onset.met {
-            all.add(distance2_um(met.energy, onset.target));
-        }
-    }
-    let all = all.errors()?;
     let [energy, _] = felt_scores(trace);
+    let all = energy.everywhere?;
     let more = match energy.errors {
         Some(inside) if inside.count < all.count => {
             format!(

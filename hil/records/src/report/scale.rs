@@ -52,6 +52,17 @@ impl Scale {
         }
     }
 
+    /// Logarithmic, from exactly `low` to `high`, with ticks at 1, 2 and 5 of every decade; both must be above zero.
+    pub fn logarithmic(low: f64, high: f64) -> Self {
+        let low = low.clamp(1e-15, 1e12);
+        Self {
+            low,
+            high: high.clamp(low * 1.1, 1e13),
+            log: true,
+            whole: false,
+        }
+    }
+
     /// 0 at the low end, 1 at the high end.
     pub fn at(&self, value: f64) -> f64 {
         if self.log {
@@ -70,7 +81,11 @@ impl Scale {
     /// About `wanted` values along the axis, with what is written beside them.
     pub fn ticks(&self, wanted: f64) -> Vec<(f64, String)> {
         if self.log {
-            let decades = (self.high / self.low).log10().round() as i32;
+            let span = (self.high / self.low).log10();
+            let decades = span.round() as i32;
+            if (span - f64::from(decades)).abs() > 1e-6 {
+                return self.parts_of_decades();
+            }
             let by = (f64::from(decades) / wanted).ceil().max(1.0) as usize;
             return (0..=decades)
                 .step_by(by)
@@ -91,6 +106,26 @@ impl Scale {
                     thousands(v)
                 } else {
                     format!("{v:.decimals$}")
+                };
+                (v, text)
+            })
+            .collect()
+    }
+}
+
+impl Scale {
+    /// 1, 2 and 5 of every decade along the axis.
+    fn parts_of_decades(&self) -> Vec<(f64, String)> {
+        let (first, last) = (
+            self.low.log10().floor() as i32,
+            self.high.log10().ceil() as i32,
+        );
+        let all = (first..=last).flat_map(|d| [1.0, 2.0, 5.0].map(|part| part * 10f64.powi(d)));
+        all.filter(|v| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(v))
+            .map(|v| {
+                let text = match v < 1.0 {
+                    true => format!("{v:.*}", -v.log10().floor() as usize),
+                    false => thousands(v),
                 };
                 (v, text)
             })

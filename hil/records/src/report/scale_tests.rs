@@ -35,3 +35,19 @@ fn ticks_are_round_and_few() {
     assert_eq!(counts, [(1.0, "1".to_owned()), (2.0, "2".to_owned())]);
     assert!(Scale::round(5.0, 5.0).ticks(5.0).len() > 2);
 }
+
+#[test]
+fn a_logarithmic_axis_has_ticks_within_its_decades() {
+    let ticks = |low, high| -> Vec<String> {
+        let scale = Scale::logarithmic(low, high);
+        scale.ticks(5.0).into_iter().map(|tick| tick.1).collect()
+    };
+    assert_eq!(ticks(10.0, 300.0), ["10", "20", "50", "100", "200"]);
+    assert_eq!(ticks(0.04, 3.0), ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
+    let scale = Scale::logarithmic(10.0, 300.0);
+    assert!(scale.at(10.0).abs() < 1e-12 && (scale.at(300.0) - 1.0).abs() < 1e-12);
+    for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+        let scale = Scale::logarithmic(bad, bad);
+        assert!(scale.ticks(5.0).len() < 100, "{bad}");
+    }
+}

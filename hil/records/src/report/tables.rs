@@ -163,14 +163,27 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
             let what = format!("felt level over threshold, {what} ({who})");
             rows.push(row(&what, format!("{:.1}", f64::from(mdb) * 1e-3), "dB"));
         }
+        for (what, nm) in [
+            ("median", level.skin_median_nm),
+            ("most", level.skin_most_nm),
+        ] {
+            let what = format!("displacement of the skin per onset, {what}");
+            rows.push(row(&what, format!("{:.1}", f64::from(nm) * 1e-3), "um"));
+        }
     }
     let mut breaks = 0;
     // Without a true path there is nothing to hold the felt path against; breaks need none.
     let known = trace.each::<event::Truth>().next().is_some();
     for score in felt_scores(trace) {
-        let what = format!("felt error by {}", score.perceiver);
-        let errors = score.errors.filter(|_| known);
-        error_rows(&mut rows, &what, errors);
+        for (where_felt, errors) in [
+            ("over all onsets", score.everywhere),
+            ("inside the wires", score.errors),
+        ] {
+            let errors = errors.filter(|_| known);
+            let count = errors.map_or(0, |e| e.count);
+            let what = format!("felt error by {}, {count} {where_felt}", score.perceiver);
+            error_rows(&mut rows, &what, errors);
+        }
         let jumps = row(
             &format!("jumps by {}", score.perceiver),
             counted(score.jumps),

@@ -38,6 +38,8 @@ impl Story {
                     format!("median {}", decibels(level.median_mdb)),
                     format!("5 % {}", decibels(level.p5_mdb)),
                     format!("taps {}", level.taps),
+                    format!("skin median {} um", milli(i64::from(level.skin_median_nm))),
+                    format!("skin most {} um", milli(i64::from(level.skin_most_nm))),
                 ],
             ));
         }
@@ -47,6 +49,8 @@ impl Story {
             line.pieces.push(format!("breaks {}", score.breaks));
             line.pieces.push(format!("jumps {}", score.jumps));
             story.head.push(line);
+            let label = format!("felt error over all, {}", score.perceiver);
+            story.head.push(errors(&label, score.everywhere));
         }
         for (name, (least, most)) in energies(trace).into_iter().flatten() {
             let piece = format!("{least} to {most} thousandths of a wire's");

@@ -33,6 +33,8 @@ pub struct FeltAt {
     pub amplitude: PlaceUm,
     /// Level of all wires together over threshold, thousandths of a decibel.
     pub level_mdb: i32,
+    /// Displacement of the skin under the wire that moves it most, from end to end, thousandths of a micrometre.
+    pub skin_nm: i32,
     /// `true` for a stimulus so short that it feels like a tap.
     pub tap: bool,
 }

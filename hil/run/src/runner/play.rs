@@ -31,7 +31,8 @@ use crate::recorder::{Recorder, Truth, milli_c};
 use crate::session::{Session, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
-use crate::summary::{AskedLevel, finished};
+use crate::summary::finished;
+use crate::summary_felt::AskedLevel;
 use crate::verdict::STOPPED_BY;
 use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView, margins, plan};
 

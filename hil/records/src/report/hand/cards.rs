@@ -104,7 +104,7 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
     let driven = trace.ledger.driven;
     // Without a true path there is nothing to hold the felt path against.
     let known = trace.each::<event::Truth>().next().is_some();
-    let error = energy.errors.filter(|_| known);
+    let [all, inside] = [energy.everywhere, energy.errors].map(|errors| errors.filter(|_| known));
     let mut rows = vec![
         ("contacts that drive", driving.to_string(), ""),
         ("contacts, all", contacts(finger).to_string(), ""),
@@ -125,8 +125,25 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
         ),
         (
             "felt error, RMSE",
-            error.map_or_else(none, |e| mm(e.rmse_um)),
+            all.map_or_else(none, |e| mm(e.rmse_um)),
             "mm",
+        ),
+        (
+            "inside the wires",
+            inside.map_or_else(none, |e| mm(e.rmse_um)),
+            "mm",
+        ),
+        (
+            "onsets inside",
+            inside.map_or_else(none, |e| e.count.to_string()),
+            "",
+        ),
+        (
+            "skin moves, median",
+            level.map_or_else(none, |l| {
+                format!("{:.1}", f64::from(l.skin_median_nm) * 1e-3)
+            }),
+            "um",
         ),
         (
             "breaks",
