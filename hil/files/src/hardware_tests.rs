@@ -90,7 +90,8 @@ fn on_hardware_every_key_but_a_limit_and_an_address_is_a_fact() {
     }
     assert!(keys.len() > 60, "{keys:?}");
     for key in keys {
-        let may = LIMITS.contains(&&*key) || ADDRESSES.contains(&&*key);
+        let mut permitted = LIMITS.iter().chain(&ADDRESSES).chain(&CHOICES);
+        let may = permitted.any(|permitted| *permitted == key);
         for value in ["1", "10.0", "\"x\"", "true", "{}"] {
             let refused = set(REAL, &key, value).err();
             let fact = refused.as_ref().is_some_and(|error| {

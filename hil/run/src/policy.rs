@@ -5,6 +5,9 @@ use palpate_files::{Bench, BenchKind, Setup};
 
 use crate::failure::Failure;
 
+/// Longest time between two calls of the loop, as a real host would call it.
+pub(crate) const TICK: Duration = Duration::from_millis(1);
+
 /// Stops of the guard that end by themselves once their cause is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatchPolicy {

@@ -9,7 +9,7 @@ use palpate_files::Setup;
 use crate::failure::Failure;
 use crate::place::{Place, hand_of};
 use crate::plan;
-use crate::session::TICK;
+use crate::policy::TICK;
 
 /// Tells whether two displays have a board in common.
 fn share(one: &Place, other: &Place) -> bool {

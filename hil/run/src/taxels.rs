@@ -5,9 +5,9 @@ use palpate_files::Setup;
 
 use crate::failure::Failure;
 use crate::plan;
+use crate::policy::TICK;
 use crate::replay::TaxelTable;
 use crate::runner::{part, scene_end};
-use crate::session::TICK;
 use crate::skin;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;

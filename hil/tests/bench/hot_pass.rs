@@ -23,13 +23,18 @@ fn three_cold_wires(bench: &Bench) {
     fs::write(bench.path("bench.toml"), text).unwrap();
 }
 
+/// Writes a scene that ends before its reference is taken, so that nothing but a pass drives; its name.
+fn still(bench: &Bench) -> &'static str {
+    let text = "name = \"still\"\ndescription = \"Nothing is felt\"\nlength_s = 0.4\n";
+    fs::write(bench.path("still.toml"), text).unwrap();
+    "still.toml"
+}
+
 /// A short run, its summary, and whether wires were driven in it.
 fn run(bench: &Bench) -> (Said, Value, bool) {
     let _ = fs::remove_file(bench.path("lo.rx"));
     let _feed = bench.feed();
-    // Shorter than its reference: nothing but a pass drives.
-    let scene = bench.scene(0.4);
-    let words = ["run", &scene, "--bench", "bench.toml", "--json"];
+    let words = ["run", still(bench), "--bench", "bench.toml", "--json"];
     let at = now_ns();
     let said = bench.start(&words).finish(END);
     let summary = serde_json::from_str(&said.out).unwrap_or_default();
@@ -45,7 +50,11 @@ fn two_runs_pass_once_and_a_display_that_was_off_is_passed_again() {
         assert_eq!(said.status, Some(0), "{said:?}");
         assert!(said.err.contains("each wire is heated in turn"), "{said:?}");
         let pass = &first["pass"];
-        assert_eq!((&pass["passed"], &pass["wires"]), (&3.into(), &3.into()));
+        assert_eq!(
+            (&pass["passed"], &pass["wires"]),
+            (&3.into(), &3.into()),
+            "{said:?}"
+        );
         assert_eq!(first["felt"]["state"], "assumed passed", "{first}");
         // The scene's own time begins after the pass.
         assert!(first["length_s"].as_f64().unwrap() < 2.0, "{first}");
@@ -73,8 +82,7 @@ fn a_death_in_a_pass_leaves_outputs_off_and_the_wires_cold() {
     on_bench(1, |bench| {
         three_cold_wires(bench);
         let feed = bench.feed();
-        let scene = bench.scene(0.4);
-        let run_to_be_killed = bench.start(&Bench::run_words(&scene));
+        let run_to_be_killed = bench.start(&Bench::run_words(still(bench)));
         run_to_be_killed.wait_until_on();
         run_to_be_killed.kill();
         let at = now_ns();

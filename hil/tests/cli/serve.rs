@@ -166,7 +166,7 @@ fn two_pages_see_a_run_and_either_can_stop_it() {
         // None before the first scan.
         assert!([0, 16].contains(&picture["counts"].as_array().unwrap().len()));
         assert_eq!(picture["used"].as_array().unwrap().len(), 11);
-        assert!(picture["warm"][7][1].as_f64().unwrap() > 30.0);
+        assert!(picture["warm"][7][1].as_f64().unwrap() > 29.5);
     }
     assert!(bursts > 10 && felt > 5, "{bursts} bursts, {felt} felt");
     // The other page has not looked until now, and has them in order.
@@ -388,7 +388,7 @@ fn a_recording_is_shown_at_the_moment_that_a_page_asks_for() {
         let x_mm: f64 = row[4].parse().unwrap();
         assert!((contact["at_mm"][0].as_f64().unwrap() - x_mm).abs() < 2e-3);
         assert!(contact["on_mm"].is_array() && !picture["spheres"].as_array().unwrap().is_empty());
-        assert!(picture["warm"][7][1].as_f64().unwrap() > 30.0);
+        assert!(picture["warm"][7][1].as_f64().unwrap() > 29.5);
         assert!(moment["totals"]["stimuli"].as_u64().unwrap() > 10);
     }
     let moment = show(u64::MAX);

@@ -264,3 +264,81 @@ fn bursts_are_felt_as_computed_elsewhere() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Bursts of pulses of 183 us every 5.08 ms from cold: hottest wire, least martensite within a second, hottest skin.
+fn passed(case: &Case, tissue: &TissueParameters, (bursts, pulses): (u64, u64)) -> [f64; 3] {
+    let (solver, _) = built(case, tissue);
+    let mut wire = Wire::of(solver);
+    let (mut least, mut end) = (1.0_f64, Nanos::ZERO);
+    for burst in 0..bursts {
+        for pulse in 0..pulses {
+            let at = Nanos(burst * 250 * MS + pulse * 5_080_000);
+            wire.set_power(at, case.pulse.1);
+            end = at + Nanos(183_000);
+            wire.set_power(end, 0.0);
+            least = least.min(wire.fraction(end));
+        }
+    }
+    for step in 1..=1000 {
+        least = least.min(wire.fraction(end + Nanos(step * MS)));
+    }
+    let peaks = wire.peaks(wire.now());
+    [peaks.wire_c, least, peaks.shallow_c]
+}
+
+#[test]
+fn a_hot_pass_does_what_was_computed_elsewhere() {
+    let at = |finger_c: f64| TissueParameters {
+        body_c: finger_c,
+        ..TissueParameters::DEFAULT
+    };
+    let on = |mut case: Case, finger_c: f64| {
+        case.finger_c = finger_c;
+        case.wire.ends_c = finger_c;
+        case
+    };
+    let much = |sag_um: f64| thick(wire(WireState::Cold, WireState::Cold, sag_um));
+    let little = || {
+        let mut case = much(250.0);
+        case.wire.reversible = 0.0;
+        case.wire.mechanics.transformation_strain = 0.002;
+        case
+    };
+    for (name, case, pulses, [wire_c, least, skin_c]) in [
+        ("thin", thin(WireState::Cold), 3, [71.2, 0.0, 33.7]),
+        (
+            "thin",
+            on(thin(WireState::Cold), 29.0),
+            3,
+            [66.6, 0.0, 29.8],
+        ),
+        ("thick, 0.2 %", little(), 5, [62.5, 0.0, 34.1]),
+        ("thick, 0.2 %", on(little(), 29.0), 5, [57.9, 0.0, 30.1]),
+        ("thick, 1 %, deep", much(500.0), 5, [62.4, 0.005, 34.1]),
+        ("thick, 1 %, tight", much(170.0), 5, [70.6, 0.37, 34.4]),
+    ] {
+        let found = passed(&case, &at(case.finger_c), (1, pulses));
+        let close = [0.05, 0.001, 0.05];
+        for ((found, expected), close) in found.iter().zip([wire_c, least, skin_c]).zip(close) {
+            assert!(
+                (found - expected).abs() <= close,
+                "{name}: {found} for {expected}"
+            );
+        }
+    }
+    // The least heat in a wire: a burst leaves most of it martensite, and eight leave little.
+    let mut least = little();
+    least.wire.specific_heat = 837.0;
+    least.wire.latent_heat = 24e3;
+    least.pulse.1 = 1.97 * 1.97 * 2.59 * 0.6;
+    let pressed = TissueParameters {
+        contact_h: 1e4,
+        ..TissueParameters::DEFAULT
+    };
+    let [once, eight] = [1, 8].map(|bursts| passed(&least, &pressed, (bursts, 5)));
+    assert!(
+        (once[0] - 47.7).abs() < 0.5 && (once[1] - 0.71).abs() < 0.02,
+        "{once:?}"
+    );
+    assert!((eight[0] - 54.7).abs() < 1.0 && eight[1] < 0.2, "{eight:?}");
+}

@@ -9,10 +9,10 @@ use palpate_files::Setup;
 
 use crate::plan;
 
-/// Share of martensite below which a wire counts as passed.
+/// Share of martensite below which a pass has turned a wire, when its last pulse ends.
 pub const PASSED: f64 = 0.01;
-/// Time after the last pulse at which a pass must hold: what stress brings back, it has by then.
-const AFTER: Nanos = Nanos::from_micros(1_000_000);
+/// Share of martensite that may come back at rest on the finger: a wire with more is a cold one again.
+pub const KEPT: f64 = 0.5;
 /// How much colder than stated a finger may be, K.
 const COLDER_K: f64 = 4.0;
 /// The guard's corner of the least heat in a wire: share of the heat, specific heat J/(kg K), latent heat J/kg, contact
@@ -23,7 +23,7 @@ const LEAST: (f64, f64, f64, f64, f64) = (0.6, 837.0, 24e3, 1e4, 0.5);
 const TIGHT: &str =
     "a passed wire would pull its bow tight at rest, so the wires stay cold; expected a deeper bow";
 /// Note of a run whose wires turn back at rest.
-const RETURNS: &str = "at rest the wires' stress would bring their martensite back, so the wires stay cold; expected less bias stress";
+const RETURNS: &str = "at rest the wires' stress would bring most of their martensite back, so they stay cold; expected less stress or a warmer finger";
 
 /// Cold wires at rest and their drive. A wire that the model has no rest for is an error of every question about it.
 pub(super) struct Heated {
@@ -59,15 +59,14 @@ impl Heated {
         }
     }
 
-    /// Martensite that a pass leaves in the wire as it is stated: on a finger as stated a second later, on one that is 4 K
-    /// colder when the last pulse ends. There some of it comes back, whatever the pass was.
+    /// Martensite that a pass leaves in the wire as it is stated when the last pulse ends, on a finger as stated or 4 K colder.
+    /// Some of it may come back at rest, whatever the pass was.
     ///
     /// # Errors
     /// A wire that the model has no rest for.
     pub fn left(&self, pass: &HotPass) -> Result<f64, ParameterError> {
-        let [colder, _] = self.after(&self.colder, pass)?;
-        let [_, left] = self.after(&self.nominal, pass)?;
-        Ok(left.max(colder))
+        let colder = self.after(&self.colder, pass)?;
+        Ok(self.after(&self.nominal, pass)?.max(colder))
     }
 
     /// Martensite that a pass leaves in the corner of the least heat, when the last pulse ends.
@@ -75,15 +74,15 @@ impl Heated {
     /// # Errors
     /// A wire that the model has no rest for.
     pub fn left_at_worst(&self, pass: &HotPass) -> Result<f64, ParameterError> {
-        self.after(&self.worst, pass).map(|[end, _]| end)
+        self.after(&self.worst, pass)
     }
 
-    /// Martensite at the end of the last pulse and a second later.
+    /// Martensite at the end of the last pulse.
     fn after(
         &self,
         cold: &Result<Wire, ParameterError>,
         pass: &HotPass,
-    ) -> Result<[f64; 2], ParameterError> {
+    ) -> Result<f64, ParameterError> {
         let mut heated = cold.clone()?;
         let width = u64::from(pass.width.get()) * self.prescale.tick_ns();
         let pulses = pulses(pass, self.prescale);
@@ -97,7 +96,7 @@ impl Heated {
                 heated.set_current(end, 0.0);
             }
         }
-        Ok([end, end + AFTER].map(|at| heated.fraction(at)))
+        Ok(heated.fraction(end))
     }
 }
 
@@ -106,7 +105,7 @@ pub(super) fn pulses(pass: &HotPass, prescale: Prescale) -> u64 {
     (pass.burst.as_micros() * 1000).div_ceil(prescale.period_ns())
 }
 
-/// The wire as a pass leaves it on a finger: it can be at rest so, and stress brings no martensite back there.
+/// The wire as a pass leaves it on a finger: it can be at rest so, and stress brings less than half of the martensite back.
 ///
 /// # Errors
 /// The reason why a pass would not last, for a note.
@@ -117,7 +116,7 @@ pub fn lasting(
     let mut passed = *wire;
     passed.history.state = WireState::Passed;
     let at_rest = Wire::new(&passed, tissue, tissue.body_c).map_err(|_| TIGHT);
-    match at_rest?.fraction(Nanos::ZERO) < PASSED {
+    match at_rest?.fraction(Nanos::ZERO) < KEPT {
         true => Ok(passed),
         false => Err(RETURNS),
     }

@@ -6,7 +6,7 @@ use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::Instant;
 use serde::Serialize;
 
-use super::heated::{PASSED, pulses};
+use super::heated::{KEPT, pulses};
 use super::plan::Planned;
 use crate::Outcome;
 
@@ -83,7 +83,7 @@ pub struct PassReport {
     pub pulse_us: f64,
     /// Energy that the guard books for a wire, mJ.
     pub wire_mj: f64,
-    /// Most martensite that the model has left in a wire; null on hardware.
+    /// Most martensite that a modelled wire has at the end of the pass: what stress has brought back; null on hardware.
     pub martensite: Option<f64>,
     /// Martensite that the plan leaves in the corner of the least heat; null where the model has no such wire.
     pub martensite_at_worst: Option<f64>,
@@ -115,7 +115,7 @@ impl PassReport {
                 Some("the bow was pulled past what the model knows".to_owned())
             }
             None => martensite
-                .filter(|left| *left >= PASSED)
+                .filter(|left| *left >= KEPT)
                 .map(|left| format!("the modelled wire keeps {:.0} % martensite", left * 100.0)),
         };
         let (pass, prescale) = (&planned.pass, planned.prescale);

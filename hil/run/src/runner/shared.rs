@@ -15,8 +15,8 @@ use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::join::Common;
 use crate::place::Place;
+use crate::policy::TICK;
 use crate::script::Script;
-use crate::session::TICK;
 use crate::skin_end::SkinEnd;
 
 /// A scan that waits for its finger's next turn.
