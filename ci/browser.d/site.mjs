@@ -33,10 +33,10 @@ for (const [width, colorScheme] of [[390, "dark"], [1280, "light"]]) {
 
 const page = await browser.newPage();
 await page.goto(`file://${site}/index.html`);
-await page.keyboard.press("s");
-await page.fill("#mdbook-searchbar, #searchbar", "guardian");
-await page.waitForSelector("#mdbook-searchresults li, #searchresults li");
-const found = await page.$$eval("#mdbook-searchresults li, #searchresults li", all => all.length);
+await page.click("#mdbook-search-toggle");
+await page.locator("#mdbook-searchbar").pressSequentially("guardian");
+await page.waitForSelector("#mdbook-searchresults li");
+const found = await page.$$eval("#mdbook-searchresults li", all => all.length);
 assert(found > 3, `the search finds ${found} places`);
 await browser.close();
 console.log(`site: ${looked} views of ${pages.length} pages, ${found} places found by the search`);
