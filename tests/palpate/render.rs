@@ -9,6 +9,7 @@ use palpate_core::render::{Renderer, Style};
 use palpate_files::{LevelsFrom, Scene, Setup};
 use palpate_records::felt::felt_scores;
 use palpate_records::trace::{Event, event};
+use palpate_run::pass::set_passed;
 use palpate_run::plan::plan;
 use palpate_run::{Input, Outcome, run};
 
@@ -63,7 +64,8 @@ fn on_every_path_both_centroids_are_nearer_than_those_of_the_balanced_law() {
 /// Law, pulses, table and full level to the bit, and the bench that the guard counts with.
 #[test]
 fn the_librarys_builder_has_by_default_what_the_program_has() {
-    let setup = Setup::load("sphere-along", "emulated").unwrap();
+    let mut setup = Setup::load("sphere-along", "emulated").unwrap();
+    set_passed(&mut setup);
     let plan = plan(&setup, 1, Levels::Off).unwrap();
     let built = Output::builder(plan.display.clone()).build().unwrap();
     let program = Projector::new(plan).unwrap();
