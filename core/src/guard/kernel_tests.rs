@@ -3,9 +3,12 @@
 use alloc::string::ToString;
 
 use super::*;
+use crate::guard::decays::RATES;
+use crate::guard::dose::{Dose, Doses};
 use crate::guard::limits::{HARD, Limits};
-use crate::guard::table::{self, DECAYS};
-use crate::guard::thermal::Budget;
+use crate::guard::table::{DECAYS, LATENT_K};
+use crate::guard::thermal::{Budget, Heat, Tissue};
+use crate::guard::used::Used;
 use crate::guard::{Guard, Plant};
 use crate::illusion::DisplayWire;
 use crate::units::{Board, Channel, Duration, Instant, Point};
@@ -83,7 +86,7 @@ fn a_modelled_wire_is_known_to_the_nanometre() {
     assert_eq!(WornWire::new(&wire, &tissue), WornWire::default());
     let wire = WireParameters {
         diameter_m: 76.2e-6,
-        length_m: 6.3504e-3,
+        length_m: 6.3506e-3,
         ..wire
     };
     let tissue = TissueParameters {
@@ -92,7 +95,7 @@ fn a_modelled_wire_is_known_to_the_nanometre() {
     };
     let expected = WornWire {
         diameter_nm: 76_200,
-        length_um: 6_350,
+        length_um: 6_351,
         rest_mc: 29_100,
     };
     assert_eq!(WornWire::new(&wire, &tissue), expected);
@@ -160,12 +163,122 @@ fn a_warmer_finger_leaves_less_by_as_much() {
     let (cold, usual, warm) = (room(26_000), room(33_000), room(36_000));
     let limits_c = [43.0, 41.0, 41.0];
     for (n, limit_c) in limits_c.into_iter().enumerate() {
-        let latent_k = [table::LATENT_K[0], table::LATENT_K[2], table::LATENT_K[1]][n];
+        let latent_k = [LATENT_K[0], LATENT_K[2], LATENT_K[1]][n];
         for (rest_c, room) in [(26.0, cold[n]), (36.0, warm[n])] {
             let expected = (limit_c - latent_k - rest_c) / (limit_c - latent_k - 33.0);
             close(room / usual[n], expected);
         }
     }
+}
+
+/// Rows twice as large for energies half as large are the same to the bit, so every figure is of the kernel's own rows.
+#[test]
+fn every_prediction_is_by_the_rows_of_the_wire() {
+    let once = WornWire::default().kernel().unwrap();
+    let twice = Kernel {
+        shallow: once.shallow.map(|c| 2.0 * c),
+        deep: once.deep.map(|c| 2.0 * c),
+        ..once
+    };
+    let [mut whole, mut half] = [once, twice].map(|kernel| Budget::new(&HARD, kernel));
+    let [mut a, mut b] = [(); 2].map(|()| Tissue::new(33.0));
+    let doubled = |rooms: [(f64, _); 4]| rooms.map(|(j, row)| (2.0 * j, row));
+    let mut at = Instant::ZERO;
+    for n in 0..120_u16 {
+        at += Duration::from_millis(if n % 40 == 0 { 3_000 } else { 90 });
+        let until = at + Duration::from_millis(10 + u64::from(n % 4) * 10);
+        let booking = a.booking(at, until, Duration::from_millis(12));
+        assert_eq!(
+            a.each_room(&whole, booking),
+            doubled(b.each_room(&half, booking))
+        );
+        let ((j, row), (k, other)) = (a.room(&mut whole, booking), b.room(&mut half, booking));
+        assert_eq!((j, row), (2.0 * k, other));
+        let joules = f64::from(n % 5) * 1.5e-3;
+        let predicted = a.heat(&mut whole, booking, joules);
+        assert_eq!(predicted, b.heat(&mut half, booking, joules / 2.0));
+        assert_eq!(a.bears(&whole, until, 1.0), b.bears(&half, until, 1.0));
+        let [mut used, mut other] = [Used::default(); 2];
+        a.add_used(&whole, until, &mut used);
+        b.add_used(&half, until, &mut other);
+        assert_eq!(used, other);
+    }
+    assert!(a.dose.omega > 0.0 && a.dose.omega.to_bits() == b.dose.omega.to_bits());
+}
+
+#[test]
+fn what_flows_evenly_is_by_the_rows_of_the_wire() {
+    let seconds = 3600.0;
+    let even = |row: &Decays, limit_mc: u64, latent_k: f64| {
+        let term = |(c, rate): (&f64, &f64)| c / rate * (1.0 - libm::exp(-rate * seconds));
+        let kelvin = limit_mc as f64 * 1e-3 - 33.0 - latent_k;
+        kelvin / row.iter().zip(&RATES).map(term).sum::<f64>()
+    };
+    let [shallow, deep] = &ROWS[0][1];
+    // The mean binds, and tissue at 0.4 mm where its limit is tighter.
+    for skin_deep_mc in [HARD.skin_deep_mc, 35_000] {
+        let limits = Limits {
+            skin_deep_mc,
+            ..HARD
+        };
+        let guard = Guard::new(limits, Plant::default(), &[wire()], worn(50_000, 5_000));
+        let even_w = even(shallow, HARD.skin_mean_mc, LATENT_K[1]).min(even(
+            deep,
+            skin_deep_mc,
+            LATENT_K[2],
+        ));
+        let found = guard
+            .unwrap()
+            .sustained_uw(Duration::from_millis(3_600_000));
+        assert_eq!(found, (even_w * 1e6) as u64);
+    }
+}
+
+#[test]
+fn tissue_rests_as_warm_as_the_finger() {
+    let kernel = Kernel {
+        rest_c: 36.0,
+        ..WornWire::default().kernel().unwrap()
+    };
+    let heat = Heat::new(&HARD, kernel, 1);
+    let tissue = &heat.tissues[0];
+    close(tissue.shallow_c(&kernel), 36.0 + LATENT_K[0]);
+    let rested = Dose::new(36.0 + LATENT_K[0]);
+    assert_eq!(tissue.dose.kept_back(), rested.kept_back());
+    // Where the dose binds, it leaves what its ceiling leaves above rest.
+    let mut spent = tissue.clone();
+    let most = heat.budget.doses();
+    spent.dose = Dose::of(
+        Doses {
+            omega: 0.999 * most.omega,
+            ..Doses::default()
+        },
+        36.2,
+    );
+    let ceiling_c = spent.dose.ceiling_c(&most);
+    let until = Instant::from_micros(35_000);
+    let booking = spent.booking(Instant::ZERO, until, Duration::ZERO);
+    let [peak, dose, ..] = spent.each_room(&heat.budget, booking);
+    let latent_c = 36.0 + LATENT_K[0];
+    let ratio = (ceiling_c - latent_c) / (43.0 - latent_c);
+    assert!(ratio > 0.1 && (dose.0 / peak.0 / ratio - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_face_counts_from_the_finger() {
+    let on = |rest_mc| {
+        let worn = WornWire {
+            rest_mc,
+            ..WornWire::default()
+        };
+        Guard::new(HARD, Plant::default(), &[wire()], worn).unwrap()
+    };
+    let mut guard = on(36_000);
+    // The mean's row leaves least, whatever the face is now.
+    close(guard.warm(Instant::ZERO, 37.5, 37.5), 41.0 - LATENT_K[1]);
+    close(guard.predicted().peak_c, 37.5 + LATENT_K[0]);
+    let reserve = on(36_000).reserve(Instant::ZERO, Duration::from_millis(1000));
+    close(reserve.wires[0].most_c.unwrap(), 43.0);
 }
 
 fn wire() -> DisplayWire {

@@ -101,7 +101,12 @@ fn nonsense_is_named() {
 }
 
 /// Text of a shipped wire, changed; what is said of it, alone or in its bench's bow.
-fn refusal(changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
+fn refusal(changes: &[(&str, &str)], bow: (f64, f64)) -> String {
+    refusal_at(33.0, changes, bow)
+}
+
+/// Text of a shipped wire, changed, and what is said of it on a finger of this temperature at rest.
+fn refusal_at(rest_c: f64, changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
     let shipped = palpate_fixtures::wire("loose-50um").unwrap();
     let mut text = shipped.replace("\nstate = \"cold\"\n", "\nstate = \"passed\"\n");
     for (old, new) in changes {
@@ -123,6 +128,7 @@ fn refusal(changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
     let bench = Source::new("b.toml", format!("mount.sag_um = {sag_um}\n"));
     let tissue = physics::TissueParameters {
         modulus_pa: skin_kpa * 1e3,
+        body_c: rest_c,
         ..physics::TissueParameters::DEFAULT
     };
     match check_rest(&source, &bench, &worn, &tissue) {
@@ -141,7 +147,7 @@ fn a_history_that_contradicts_itself_is_named_with_its_line() {
         ),
         (
             ("state = \"passed\"", "state = \"passed\"\ncoldest_c = 40.0"),
-            "w.toml:10: coldest_c: expected a number from -200 to 33 C, found 40.0",
+            "w.toml:10: coldest_c: expected a number from -200 to 36 C, found 40.0",
         ),
     ] {
         let error = refusal(&[change], (250.0, 100.0));
@@ -177,4 +183,27 @@ fn a_rest_that_no_wire_can_have_is_named_with_its_line() {
         tight.contains("b.toml:1: mount.sag_um: expected a deeper bow, or another `sag_state` or `state` in w.toml: from 20 um the wire pulls itself past 90 % straight before its first pulse, found 20"),
         "{tight}"
     );
+}
+
+/// A finger is as warm as its bench says: martensite of a colder time weighs otherwise there.
+#[test]
+fn a_wire_rests_on_the_finger_of_its_bench() {
+    let passed = |stress: &str, rest_c: f64| {
+        let changes = [
+            ("sag_state = \"cold\"  ", "sag_state = \"passed\""),
+            (
+                "state = \"passed\"\n\n",
+                "state = \"passed\"\ncoldest_c = 25.0\n\n",
+            ),
+            ("bias_stress_mpa = 10.0", stress),
+        ];
+        refusal_at(rest_c, &changes, (250.0, 100.0))
+    };
+    let why = "w.toml:27: mechanical.bias_stress_mpa: expected more, or another `sag_state` or `state`: in a bow of 250 um the wire would be pressed at rest, and no state holds that, found";
+    for (stress, held_c, pressed_c) in [("3.0", 33.0, 36.0), ("2.0", 26.0, 33.0)] {
+        let line = format!("bias_stress_mpa = {stress}");
+        assert_eq!(passed(&line, held_c), "");
+        let error = passed(&line, pressed_c);
+        assert!(error.contains(&format!("{why} {stress}")), "{error}");
+    }
 }

@@ -1,5 +1,6 @@
 //! Checks of a wire's history, and of its rest in its bow.
 
+use palpate_core::guard::WornWire;
 use palpate_core::physics::{
     Law, ParameterError, Phases, TIGHTEST, TissueParameters, WireParameters,
 };
@@ -7,9 +8,6 @@ use palpate_core::physics::{
 use super::{WireFile, WireState};
 use crate::error::FileError;
 use crate::source::Source;
-
-/// Skin temperature at which a wire rests, degrees C.
-const REST_C: f64 = 33.0;
 
 /// Checks that a file is one of this version: it says in which state the bench's sag was measured, and its R phase has a
 /// table of its own.
@@ -38,7 +36,9 @@ impl WireFile {
         let Some(coldest_c) = self.coldest_c else {
             return Ok(());
         };
-        source.range("coldest_c", &coldest_c, -200.0..=REST_C, "C")?;
+        // A wire has been as cold as the finger that it rests on.
+        let warmest_c = f64::from(*WornWire::REST_MC.end()) / 1e3;
+        source.range("coldest_c", &coldest_c, -200.0..=warmest_c, "C")?;
         if self.state != WireState::Passed {
             let expected = "it beside state = \"passed\" alone: a cold wire has been colder";
             return Err(source.bad("coldest_c", expected.to_owned()));
@@ -47,7 +47,7 @@ impl WireFile {
     }
 }
 
-/// Checks that a wire can be at rest in its bow; `source` is the wire's file, `mount` the bench's.
+/// Checks that a wire can be at rest in its bow, as warm as the finger; `source` is the wire's file, `mount` the bench's.
 ///
 /// # Errors
 /// Names the line and key of what contradicts the rest.
@@ -57,7 +57,7 @@ pub fn check_rest(
     wire: &WireParameters,
     tissue: &TissueParameters,
 ) -> Result<(), FileError> {
-    let rest = Law::new(wire, tissue, REST_C).and_then(|law| Phases::rest(&law));
+    let rest = Law::new(wire, tissue, tissue.body_c).and_then(|law| Phases::rest(&law));
     let Err(ParameterError { name }) = rest else {
         return Ok(());
     };
