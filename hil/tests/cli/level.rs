@@ -107,7 +107,7 @@ fn the_wearer_is_believed_and_not_the_person() {
     // A third more than typical's: 2.5 dB.
     let named = format!(
         "illusion.wearer={}",
-        wearer(&folder, "vibration_um = 0.6\nflutter_um = 6.67")
+        wearer(&folder, "vibration_um = 0.8\nflutter_um = 6.67")
     );
     let plain = summary(&at_the_top("sphere-along", &["illusion.level_db=2"]));
     let believed = summary(&at_the_top(
