@@ -68,16 +68,14 @@ pub const MEASURED: [Measured; 22] = [
 ];
 
 /// The figures that tell two results apart, the weightiest first: felt levels and places, margins of heat, and costs.
-pub const WEIGHTIEST: [&str; 18] = [
+pub const WEIGHTIEST: [&str; 16] = [
     "felt_level_db",
     "felt_skin_um",
     "felt_breaks",
     "felt_error_all_rmse_mm",
     "felt_error_rmse_mm",
-    "felt_error_max_mm",
     "felt_jumps",
     "path_error_rmse_mm",
-    "path_error_max_mm",
     "hottest_skin_c",
     "limit_used_percent",
     "limiter_events",
