@@ -295,6 +295,7 @@ fn bench(args: &NewBench) -> Result<String, Failure> {
         ("wire.alloy", quoted("low"), usual("\"low\"")),
         ("drive.current_ma", float(current), usual("990.0")),
         ("drive.supply_limit_ma", float(supply), usual("4000.0")),
+        ("drive.hot_pass", (!real).to_string(), usual("true")),
     ];
     out.push_str(&filled(BENCH, &values));
     if real {

@@ -22,6 +22,8 @@ const AGAIN: Duration = Duration::from_millis(2 * SOA_MS);
 const APART: Duration = Duration::from_millis(8 * SOA_MS);
 /// Most bursts of a wire, and most pulses of each.
 const MOST: (u8, u64) = (8, 10);
+/// Lateness of a bus or a machine that a pass must bear: a guard counts a burst whose off comes late as a longer one.
+const LATE: Duration = Duration::from_millis(5);
 /// Time after the last wire's, s: bursts that had to wait, and the cooling of the last wire.
 const AFTER_S: f64 = 1.0;
 /// Reference frames, too many for the pass's length: a touch meanwhile makes no contact.
@@ -163,14 +165,15 @@ fn choose(heated: &Heated, guard: &Guard, display: &Display, setup: &Setup) -> H
         .unwrap_or_else(|| of(1, MOST.1))
 }
 
-/// Tells whether a guard would pass every burst of every wire as it is planned.
+/// Tells whether a guard would pass every burst of every wire as it is planned, with each off late and each burst early.
 fn bears(guard: &Guard, display: &Display, setup: &Setup, pass: &HotPass) -> bool {
     let mut guard = guard.clone();
     let mut start = PASS_AT;
     let mut is_whole = true;
     for (index, wire) in display.wires().iter().enumerate() {
         for burst in 0..u64::from(pass.bursts) {
-            let at = start + Duration::from_micros(pass.again.as_micros() * burst);
+            let again_us = pass.again.as_micros() - LATE.as_micros();
+            let at = start + Duration::from_micros(again_us * burst);
             let until = at + pass.burst;
             let stimulus = Stimulus {
                 wire: index as u16, // a display has at most 256 wires
@@ -185,7 +188,7 @@ fn bears(guard: &Guard, display: &Display, setup: &Setup, pass: &HotPass) -> boo
             });
             guard.confirm(&update, at);
             let off = guard.release(until, wire.board);
-            guard.confirm(&off, until);
+            guard.confirm(&off, until + LATE);
             if !is_whole {
                 return false;
             }
