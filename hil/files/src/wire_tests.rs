@@ -105,7 +105,7 @@ fn refusal(changes: &[(&str, &str)], bow: (f64, f64)) -> String {
     refusal_at(33.0, changes, bow)
 }
 
-/// The same on a finger of some temperature at rest.
+/// Refusal of such a wire on a finger of some temperature at rest.
 fn refusal_at(rest_c: f64, changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
     let mut text = palpate_fixtures::wire("passed-50um").unwrap().to_owned();
     for (old, new) in changes {
