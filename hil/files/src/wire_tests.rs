@@ -105,7 +105,7 @@ fn refusal(changes: &[(&str, &str)], bow: (f64, f64)) -> String {
     refusal_at(33.0, changes, bow)
 }
 
-/// Text of a shipped wire, changed, and what is said of it on a finger of this temperature at rest.
+/// Refusal of such a wire on a finger of some temperature at rest.
 fn refusal_at(rest_c: f64, changes: &[(&str, &str)], (sag_um, skin_kpa): (f64, f64)) -> String {
     let shipped = palpate_fixtures::wire("loose-50um").unwrap();
     let mut text = shipped.replace("\nstate = \"cold\"\n", "\nstate = \"passed\"\n");

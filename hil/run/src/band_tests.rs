@@ -1,6 +1,6 @@
 //! Tests of `band.rs`.
 
-use palpate_files::Overrides;
+use palpate_files::{Overrides, Source, WireFile};
 
 use super::*;
 use crate::{Input, Keep, run_with};
@@ -95,4 +95,48 @@ fn a_band_is_computed_where_it_is_shown() {
     let setup = setup(&["length_s=2"]);
     let outcome = crate::run(&setup, &Input::Scene, 1).unwrap();
     assert_eq!(outcome.summary.felt.band, None);
+}
+
+/// Taut wires of a file of their own, on the default bench, by a law that knows no wire: the currents are the same.
+#[test]
+fn taut_is_a_run_with_a_file_of_taut_wires() {
+    let headline = setup(&["length_s=3", "illusion.model=balanced"]);
+    let (file, _) = headline.wire.source.text().split_once("[r_phase]").unwrap();
+    let file = [
+        ("state = \"passed\"", "state = \"cold\""),
+        ("bias_stress_mpa = 10.0", "bias_stress_mpa = 172.0"),
+        (
+            "transformation_strain = 0.002",
+            "transformation_strain = 0.045",
+        ),
+    ]
+    .iter()
+    .fold(file.to_owned(), |text, (old, new)| {
+        assert!(text.contains(old), "{old}");
+        text.replacen(old, new, 1)
+    });
+    let mut taut = headline.clone();
+    taut.wire.value = WireFile::read(&Source::new("taut.toml", file)).unwrap();
+    let tissue = headline.bench.value.tissue.parameters();
+    let gain = Bow::new(&plan::wire(&headline), &tissue).unwrap().gain;
+    let (band, own) = (felt(&headline).band.unwrap(), felt(&taut));
+    let person = headline.person.value.name.as_str();
+    let corners = band.corners.iter();
+    let of_taut = corners.filter(|c| c.preset == "taut" && c.person == person);
+    let levels: Vec<[f64; 2]> = of_taut
+        .map(|corner| {
+            let level = own.level_db.as_ref().unwrap().median;
+            [
+                corner.level_db,
+                level + 20.0 * libm::log10(corner.gain / gain),
+            ]
+        })
+        .collect();
+    assert_eq!(levels.len(), GAINS.len());
+    for [corner, own] in levels {
+        assert!((corner - own).abs() < 0.1, "{corner} for {own}");
+    }
+    // Wires of the bench are no taut ones.
+    let loose = felt(&headline).level_db.unwrap().median;
+    assert!((loose - own.level_db.unwrap().median).abs() > 1.0);
 }

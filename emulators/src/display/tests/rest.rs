@@ -101,7 +101,7 @@ fn pass(wire: &mut Wire, from: Nanos) -> Nanos {
     from + Nanos(3 * PERIOD.0)
 }
 
-/// On a finger, whose air is colder than it: the wire comes to rest within the first hour, then stays.
+/// A wire on a finger, in colder air, comes to rest within the first hour and stays.
 #[test]
 fn an_hour_of_rest_moves_nothing() {
     let tissue = TissueParameters::DEFAULT;
@@ -130,7 +130,7 @@ fn an_hour_of_rest_moves_nothing() {
     }
 }
 
-/// In a room under the martensite's finish, where a steady current holds the wire as warm as a finger does.
+/// Rounds in a room under the martensite's finish, where a steady current holds the wire as warm as a finger does.
 #[test]
 fn a_wire_that_is_passed_and_cooled_is_the_cold_one() {
     let tissue = TissueParameters {
