@@ -1,4 +1,4 @@
-"""The figures of docs/python.md: what the wheel costs, in time and memory.
+"""The figures of docs/costs.md: what the wheel costs, in time and memory.
 
     python hil/python/bench/figures.py [PART ...]
 
