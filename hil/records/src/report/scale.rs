@@ -54,10 +54,11 @@ impl Scale {
 
     /// Logarithmic, from exactly `low` to `high`, with ticks at 1, 2 and 5 of every decade; both must be above zero.
     pub fn logarithmic(low: f64, high: f64) -> Self {
-        let low = low.clamp(1e-15, 1e12);
+        // Both take the bound in place of what is no number.
+        let low = low.max(1e-15).min(1e12);
         Self {
             low,
-            high: high.clamp(low * 1.1, 1e13),
+            high: high.max(low * 1.1).min(1e13),
             log: true,
             whole: false,
         }
