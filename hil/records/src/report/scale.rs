@@ -53,8 +53,8 @@ impl Scale {
     }
 
     /// Logarithmic, from exactly `low` to `high`, with ticks at 1, 2 and 5 of every decade; both must be above zero.
+    #[allow(clippy::manual_clamp)] // clamp keeps what is no number, max and min take the bound
     pub fn logarithmic(low: f64, high: f64) -> Self {
-        // Both take the bound in place of what is no number.
         let low = low.max(1e-15).min(1e12);
         Self {
             low,
