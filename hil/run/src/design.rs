@@ -78,12 +78,13 @@ pub fn resized(wire: &WireParameters, diameter_m: f64, length_m: f64) -> WirePar
 /// The worst corner of the guard's parameter range for tissue over seconds (`docs/guard.md`): best contact, all the heat
 /// in the wire, a wire that gives off late what it took, and the warmest finger.
 fn worst(wire: &WireParameters, tissue: &TissueParameters) -> (WireParameters, TissueParameters) {
+    let guarded_c = f64::from(WornWire::default().rest_mc) / 1e3;
     let wire = WireParameters {
         wire_share: 1.0,
         specific_heat: 837.0,
+        ends_c: wire.ends_c.max(guarded_c),
         ..*wire
     };
-    let guarded_c = f64::from(WornWire::default().rest_mc) / 1e3;
     let tissue = TissueParameters {
         contact_h: 10_000.0,
         contact_fraction: 0.5,

@@ -49,7 +49,7 @@ fn the_default_scene_is_eight_lines_with_the_verdict_last() {
         assert!(line.starts_with(&format!("  {name} ")), "{line}");
     }
     assert!(lines[1].ends_with("at most; pitch 4.7 mm"), "{}", lines[1]);
-    assert!(lines[2].contains("89 % of 19 onsets"), "{}", lines[2]);
+    assert!(lines[2].contains("94 % of 19 onsets"), "{}", lines[2]);
     assert!(lines[2].contains(" um; band -"), "{}", lines[2]);
     assert!(lines[3].contains("over all ") && lines[3].ends_with(" inside the wires"));
     assert_eq!(lines[7], "OK");

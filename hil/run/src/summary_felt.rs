@@ -1,4 +1,4 @@
-//! What of a summary is felt: level and displacement per onset, and errors over all onsets and inside the wires.
+//! Felt part of a summary: level and displacement per onset, errors over all onsets and inside the wires.
 
 use palpate_core::projector::Projector;
 use palpate_files::Scene;

@@ -5,7 +5,7 @@ use std::io;
 use palpate_files::{Format, Setup, load_bench, load_person, load_scene};
 use palpate_records::report::page::wide;
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{self, Plot, Svg, dot, escape, line_key, path_key};
+use palpate_records::report::svg::{self, Plot, Svg, dot, escape, line_key};
 use palpate_records::table::as_csv;
 use palpate_records::verdict::Conclusion;
 use palpate_run::Failure;
@@ -96,7 +96,7 @@ impl Response {
         as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1)))
     }
 
-    /// Least and most amplitude or threshold, um; an amplitude of 0 counts as a thousandth of the most.
+    /// Least and most displacement or threshold, um, over four decades at most.
     fn ends(&self) -> (f64, f64) {
         let all = || {
             self.points
@@ -107,10 +107,11 @@ impl Response {
         (all().fold(most, f64::min).max(most * 1e-4), most)
     }
 
+    /// Heading of the page's drawing, as HTML.
     fn heading(&self) -> String {
-        let [bench, wire, _] = &self.names;
+        let [bench, wire, _] = self.names.each_ref().map(|name| escape(name));
         format!(
-            "Skin under one wire `{wire}` of bench `{bench}`: one pulse per period, {:.0} mW at every frequency (emulated)",
+            "Skin under one wire <code>{wire}</code> of bench <code>{bench}</code>: one pulse per period, {:.0} mW at every frequency (emulated)",
             RESPONSE_W * 1e3
         )
     }
@@ -157,12 +158,7 @@ impl Response {
     /// The page: amplitudes over frequency, the person's threshold beside them, and the table.
     fn html(&self) -> String {
         let mut keys = String::new();
-        path_key(
-            &mut keys,
-            "series-dots dots",
-            "M13 6h0",
-            "part at that frequency",
-        );
+        line_key(&mut keys, "series", "part at that frequency");
         line_key(&mut keys, "median", "from end to end");
         line_key(&mut keys, "bound", "long sine that is just felt");
         let columns = [
@@ -188,13 +184,13 @@ impl Response {
         };
         let [_, _, person] = &self.names;
         format!(
-            "{}<section><h2>Displacement over frequency</h2>\n<p>{}. Dots: the part at the frequency of the pulses, as \
+            "{}<section><h2>Displacement over frequency</h2>\n<p>{}. Line with dots: the part at the frequency of the pulses, as \
              a spectrum shows it. Thin line: all of the motion, from end to end. Dashes: amplitude of a long sine that \
              <code>{}</code> just feels. A pulse has harmonics too, so it may be felt where its first part is not.</p>\n\
              <div class=\"chart\">{}</div><div class=\"legend\">{keys}</div></section>\n\
              <section><h2>Values</h2>{}</section>\n{}",
             page::head("Frequency response of a wire", &Conclusion::default()),
-            escape(&self.heading()),
+            self.heading(),
             escape(person),
             self.chart(),
             wide(&columns, self.points.iter().map(row)),

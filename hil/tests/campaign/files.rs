@@ -266,7 +266,7 @@ fn exception(reader: &Reader, change: &str) -> Option<Expect> {
         ("test", "quarantine.toml", "back") => Expect::Ends(1, "nothing was tested"),
         (_, "bench.toml" | "limits.toml" | "alloy.toml", "back") => Expect::Good,
         ("new" | "design", "wire.toml" | "alloy.toml", "nothing") => return None,
-        (_, "textures.toml", "nothing") => return None,
+        (_, "textures.toml" | "person.toml", "nothing") => return None,
         (_, _, "nothing") if toml => Expect::Good,
         _ => return None,
     })

@@ -30,7 +30,7 @@ fn two_summaries_differ_figure_by_figure() {
     let other = hil_in(&folder.0, &["compare", "a.json", "b.json"]);
     assert_eq!((other.status, other.err.as_str()), (Some(1), ""));
     assert!(
-        other.out.starts_with("FAILED: ") && other.out.contains("felt error RMSE mm"),
+        other.out.starts_with("FAILED: ") && other.out.contains("felt error RMSE, all onsets mm"),
         "{}",
         other.out
     );
@@ -175,7 +175,7 @@ fn a_folder_of_summaries_gives_trends() {
     );
     assert!(old < new, "{}", said.out);
     let page = folder.text("t.html");
-    assert!(page.contains("felt error RMSE [mm]") && page.contains("seed 5"));
+    assert!(page.contains("felt error RMSE, all onsets [mm]") && page.contains("seed 5"));
     fs::remove_file(folder.path("new.json")).unwrap();
     let said = hil(&["compare", &place]);
     assert_eq!(said.status, Some(0), "{}", said.out);

@@ -36,12 +36,12 @@ fn wearer(folder: &Folder, thresholds: &str) -> String {
 fn a_contact_is_felt_at_the_level_asked_for_with_less_heat() {
     for scene in ["sphere-along", "sphere-circle"] {
         let mut energy = 0.0;
-        for level in [3.0, 4.0, 5.0] {
+        for level in [2.0, 3.0, 4.0] {
             let asked = format!("illusion.level_db={level}");
             let summary = summary(&at_the_top(scene, &[&asked]));
             let felt = median(&summary);
             // A wire that has just been rolled over is warm, and makes more of a pulse than a cold one.
-            assert!((felt - level).abs() < 1.5, "{scene}, {level} dB: {felt} dB");
+            assert!((felt - level).abs() < 2.0, "{scene}, {level} dB: {felt} dB");
             assert_eq!(summary["felt"]["asked"]["weaker"], 0, "{scene}, {level} dB");
             let spent = summary["energy_mj"].as_f64().unwrap();
             assert!(spent > energy, "{scene}, {level} dB: {spent} mJ");
@@ -57,7 +57,11 @@ fn a_contact_is_felt_at_the_level_asked_for_with_less_heat() {
 fn a_level_that_heat_does_not_sustain_comes_with_the_one_that_it_does() {
     let args = at_the_top(
         "rest-on-wire",
-        &["illusion.level_db=2", "bench.drive.current_ma=900"],
+        &[
+            "illusion.level_db=3",
+            "bench.drive.current_ma=1000",
+            "bench.tissue.rest_c=33",
+        ],
     );
     let smooth = [&args[..], &["--render", "smooth", "--set", "length_s=60"]].concat();
     let summary = summary(&smooth);
@@ -65,16 +69,16 @@ fn a_level_that_heat_does_not_sustain_comes_with_the_one_that_it_does() {
     let asked = &summary["felt"]["asked"];
     let resting = asked["resting_db"].as_f64().unwrap();
     let text =
-        format!("illusion.level_db = 2: for ten minutes one wire bears {resting:+.1} dB at rest");
+        format!("illusion.level_db = 3: for ten minutes one wire bears {resting:+.1} dB at rest");
     assert!(why.starts_with(&text), "{why}");
     // The arithmetic is what a minute comes to.
     assert!((median(&summary) - resting).abs() < 1.0, "{summary}");
     assert!(asked["weaker"].as_u64().unwrap() > 400, "{asked}");
     let said = good(&[&["run", "--long"], &smooth[..]].concat());
     let last = said.lines().last().unwrap();
-    assert!(last.starts_with("OK: illusion.level_db = 2: "), "{said}");
+    assert!(last.starts_with("OK: illusion.level_db = 3: "), "{said}");
     assert!(
-        said.contains("  asked           +2.0 dB over threshold, heat left less to "),
+        said.contains("  asked           +3.0 dB over threshold, heat left less to "),
         "{said}"
     );
 }

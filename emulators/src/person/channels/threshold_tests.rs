@@ -148,24 +148,22 @@ fn a_sine_at_its_threshold_is_at_0_db() {
 #[test]
 fn the_skin_moves_as_far_as_it_is_lifted() {
     let mut perceiver = Perceiver::new(person(1.0), &[(0.0, 0.0), (3.0, 0.0)]).unwrap();
-    // A wire that moves for no time is felt by none.
-    const MOMENT: f64 = 1e-9;
-    let kick = |um| [Kick { at_s: 0.0, um }];
-    perceiver.kicks(0, &kick(2.0), MOMENT);
-    perceiver.kicks(0, &kick(1.5), MOMENT);
-    perceiver.kicks(1, &kick(3.0), MOMENT);
-    perceiver.settle();
-    near(perceiver.felt(33.0).unwrap().skin_um, 3.5, 1e-6);
+    let sink = |perceiver: &mut Perceiver, seconds| {
+        (0..2).for_each(|wire| perceiver.kicks(wire, &[], seconds));
+        perceiver.settle();
+        perceiver.felt(33.0).unwrap().skin_um
+    };
+    perceiver.lift(0, 2.0);
+    perceiver.lift(0, 1.5);
+    perceiver.lift(1, 3.0);
+    near(sink(&mut perceiver, 0.001), 3.5, 1e-12);
     perceiver.onset();
     // It sinks back to a part e in 25 ms.
-    perceiver.kicks(0, &[], 0.025);
-    perceiver.settle();
-    let sunk = perceiver.felt(33.0).unwrap().skin_um;
-    near(sunk, 3.5 * (1.0 - libm::exp(-1.0)), 1e-6);
-    // Further down than it is then lifted: still one way.
-    perceiver.kicks(0, &kick(0.5), MOMENT);
-    perceiver.settle();
-    near(perceiver.felt(33.0).unwrap().skin_um, sunk, 1e-6);
+    let sunk = 3.5 * libm::exp(-0.04) * (1.0 - libm::exp(-1.0));
+    near(sink(&mut perceiver, 0.025), sunk, 1e-9);
+    // Lifted by less than it has sunk: still within the same way.
+    perceiver.lift(0, 0.5);
+    near(sink(&mut perceiver, 1e-6), sunk, 1e-9);
     let mut swung = one();
     sine(&mut swung, 100.0, 0.0, 0.1);
     near(swung.felt(33.0).unwrap().skin_um, 2.0, 1e-3);

@@ -53,11 +53,12 @@ impl Scale {
     }
 
     /// Logarithmic, from exactly `low` to `high`, with ticks at 1, 2 and 5 of every decade; both must be above zero.
+    #[allow(clippy::manual_clamp)] // clamp keeps what is no number, max and min take the bound
     pub fn logarithmic(low: f64, high: f64) -> Self {
-        let low = low.clamp(1e-15, 1e12);
+        let low = low.max(1e-15).min(1e12);
         Self {
             low,
-            high: high.clamp(low * 1.1, 1e13),
+            high: high.max(low * 1.1).min(1e13),
             log: true,
             whole: false,
         }

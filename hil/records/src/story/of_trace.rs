@@ -38,8 +38,14 @@ impl Story {
                     format!("median {}", decibels(level.median_mdb)),
                     format!("5 % {}", decibels(level.p5_mdb)),
                     format!("taps {}", level.taps),
-                    format!("skin median {} um", milli(i64::from(level.skin_median_nm))),
-                    format!("skin most {} um", milli(i64::from(level.skin_most_nm))),
+                ],
+            ));
+            let micrometres = |nm: i32| format!("{} um", milli(i64::from(nm)));
+            story.head.push(head(
+                "skin displacement",
+                [
+                    format!("median {}", micrometres(level.skin_median_nm)),
+                    format!("most {}", micrometres(level.skin_most_nm)),
                 ],
             ));
         }

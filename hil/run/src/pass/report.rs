@@ -44,6 +44,11 @@ impl PassEnd {
     }
 }
 
+/// A share to a ten-thousandth.
+fn part(share: f64) -> f64 {
+    (share * 1e4).round() * 1e-4
+}
+
 /// A burst of a hot pass.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PassBurst {
@@ -142,8 +147,8 @@ impl PassReport {
             pulses: pulses(pass, prescale),
             pulse_us: f64::from(pass.width.get()) * prescale.tick_ns() as f64 * 1e-3,
             wire_mj: planned.burst_nj as f64 * f64::from(pass.bursts) * 1e-6,
-            martensite,
-            martensite_at_worst: planned.left_at_worst,
+            martensite: martensite.map(part),
+            martensite_at_worst: planned.left_at_worst.map(part),
             hottest_skin_c: outcome.summary.hottest_skin_c,
             schedule: outcome.trace.each::<Entry>().map(burst).collect(),
         }
