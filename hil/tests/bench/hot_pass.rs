@@ -57,7 +57,7 @@ fn two_runs_pass_once_and_a_display_that_was_off_is_passed_again() {
         );
         assert_eq!(first["felt"]["state"], "assumed passed", "{first}");
         // The scene's own time begins after the pass.
-        assert!(first["length_s"].as_f64().unwrap() < 2.0, "{first}");
+        assert!(first["sim_s"].as_f64().unwrap() < 2.0, "{first}");
 
         let (said, second, _) = run(bench);
         assert_eq!(said.status, Some(0), "{said:?}");
@@ -91,9 +91,23 @@ fn a_death_in_a_pass_leaves_outputs_off_and_the_wires_cold() {
         bench.assert_off_within(crate::rig::OFF_MS, at);
         let cleared = bench.off(&["--bench", "bench.toml", "--unlatch"]);
         assert_eq!(cleared.status, Some(0), "{cleared:?}");
+        // The reserve of the dead run stays booked, and the guard lets nothing heat the wires again.
         let (said, next, has_driven) = run(bench);
         assert_eq!(said.status, Some(0), "{said:?}");
-        assert!(next["pass"].is_object() && has_driven, "{next}");
+        assert_eq!(
+            (&next["pass"]["state"], has_driven),
+            (&"cold".into(), false)
+        );
+        assert!(
+            said.err.contains("NOT PASSED: the guard refused"),
+            "{said:?}"
+        );
+        // Nor is a wire that was not heated kept as passed.
+        let forgotten = bench.off(&["--bench", "bench.toml", "--forget-heat", "fake"]);
+        assert_eq!(forgotten.status, Some(0), "{forgotten:?}");
+        let (said, next, has_driven) = run(bench);
+        assert_eq!(said.status, Some(0), "{said:?}");
+        assert!(has_driven && next["pass"]["passed"] == 3, "{next}");
     });
 }
 
