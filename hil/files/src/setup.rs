@@ -22,7 +22,7 @@ use super::wire::{AlloyFile, WireFile, check_rest};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
 use palpate_core::guard::{Limits, Memory};
-use palpate_core::physics::WireParameters;
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::units::Duration;
 
 /// Surface and activation that a scene's texture names.
@@ -32,6 +32,17 @@ pub struct Stroked {
     pub surface: Option<TextureEntry>,
     /// The map from roughness to pulses.
     pub activation: Loaded<ActivationFile>,
+}
+
+/// Wires and finger that a run emulates in place of the bench's, of which its guard does not know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// The wires.
+    pub wire: WireParameters,
+    /// The finger.
+    pub tissue: TissueParameters,
+    /// True if the law plans with the response of these wires, false if with that of the bench's.
+    pub is_identified: bool,
 }
 
 /// A scene on a bench, with everything they name.
@@ -67,6 +78,8 @@ pub struct Setup {
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
+    /// Wires and finger in place of the bench's.
+    pub drawn: Option<Drawn>,
     pub(super) observed: bool,
 }
 
@@ -135,6 +148,7 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            drawn: None,
             observed: false,
         })
     }

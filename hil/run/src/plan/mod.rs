@@ -24,7 +24,7 @@ pub use unit::differences;
 use palpate_core::contact::{Levels, Settings};
 use palpate_core::guard::{Guard, Limits, Plant, WornWire};
 use palpate_core::illusion::{Display, DisplayWire, Map, MapError, Rect, Surface};
-use palpate_core::physics::WireParameters;
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::projector::{Plan, SensingPlan, View, Window, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
 use palpate_core::skin::{
@@ -204,6 +204,14 @@ pub fn wire(setup: &Setup) -> WireParameters {
         ends_c: setup.bench.value.tissue.rest_c,
         ..setup.wire.value.parameters(&setup.alloy.value)
     }
+}
+
+/// Wires and finger that an emulated display has: those that were drawn, else the bench's.
+pub(crate) fn worn(setup: &Setup) -> (WireParameters, TissueParameters) {
+    let own = || (wire(setup), setup.bench.value.tissue.parameters());
+    setup
+        .drawn
+        .map_or_else(own, |drawn| (drawn.wire, drawn.tissue))
 }
 
 /// Milliamperes of a file, which has checked their range.
