@@ -203,12 +203,17 @@ pub fn path_on(scene: &str, display: &Display) -> Result<Vec<Point>, Failure> {
     Ok((0..onsets).filter_map(at).collect())
 }
 
-/// The person of every headline.
+/// The person of every headline, with [`Worn`]'s wires.
 ///
 /// # Errors
 /// [`Failure`] where the file cannot be read.
 pub fn person() -> Result<Person, Failure> {
-    Ok(plan::person(&load_person("typical")?.value))
+    let typical = load_person("typical")?.value;
+    Ok(plan::person(
+        &typical,
+        &WireParameters::FINAL,
+        &TissueParameters::DEFAULT,
+    ))
 }
 
 /// The current of a shipped bench.

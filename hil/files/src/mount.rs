@@ -8,6 +8,9 @@ use super::settings::{bounds, settings};
 use super::source::Source;
 use super::words;
 
+/// The warmest that a finger at rest may be unless stated, degrees C. Fingertips are found at 27 to 31 C by posture.
+const WARMEST_C: f64 = 33.0;
+
 settings! {
     /// The bow of a wire between its crimps. Left out: assumed values.
     #[derive(Copy)]
@@ -30,8 +33,11 @@ settings! {
         pub modulus_kpa: f64 = 100.0,
         /// Width of the strip on which wire and skin touch, micrometres.
         pub contact_um: f64 = 60.0,
-        /// Temperature of the finger at rest, degrees C: the warmest that it may be. The guard counts from here.
-        pub rest_c: f64 = 33.0,
+        /// Temperature of the emulated finger at rest, degrees C.
+        pub rest_c: f64 = 30.0,
+        /// The warmest that the finger at rest may be, degrees C: the guard counts from here. Left out: 33, or `rest_c`
+        /// where that is warmer.
+        pub warmest_c: Option<f64>,
     }
 }
 
@@ -63,7 +69,14 @@ impl BenchTissue {
         bounds!(source, "tissue", self;
             modulus_kpa: 1.0..=10_000.0, "kPa";
             contact_um: 1.0..=500.0, "um";
-            rest_c: celsius(coldest)..=celsius(warmest), "C: the guard has rows of heat for no other finger")
+            rest_c: celsius(coldest)..=celsius(warmest), "C: the guard has rows of heat for no other finger";
+            warmest_c: self.rest_c..=celsius(warmest), "C: no colder than rest_c, with rows of heat in the guard")
+    }
+
+    /// Temperature of the finger at rest from which the guard counts, degrees C.
+    #[must_use]
+    pub fn guarded_c(&self) -> f64 {
+        self.warmest_c.unwrap_or(WARMEST_C.max(self.rest_c))
     }
 
     /// Parameters of the model's tissue.

@@ -14,7 +14,11 @@ fn bench(tables: &str) -> Result<Bench, FileError> {
 fn the_defaults_are_the_programs_own_constants() {
     let bench = bench("").unwrap();
     assert_eq!(bench.mount.parameters(), Mount::DEFAULT);
-    assert_eq!(bench.tissue.parameters(), TissueParameters::DEFAULT);
+    let tissue = TissueParameters {
+        body_c: 30.0,
+        ..TissueParameters::DEFAULT
+    };
+    assert_eq!(bench.tissue.parameters(), tissue);
 }
 
 #[test]
@@ -57,6 +61,10 @@ fn nonsense_is_named_with_key_and_range() {
             "tissue.rest_c: expected a number from 26 to 36 C",
         ),
         (
+            "[tissue]\nwarmest_c = 29.0",
+            "tissue.warmest_c: expected a number from 30 to 36 C",
+        ),
+        (
             "[tissue]\nrest_c = 32.9\n[heat]",
             "tissue.rest_c: expected 33 with [heat]: the module is modelled on such a finger",
         ),
@@ -87,8 +95,11 @@ fn a_finger_is_colder_than_every_row_of_its_limits() {
         bench("[tissue]\nrest_c = 36"),
     );
     for (bench, rest_c) in [(coldest, 26.0), (warmest, 36.0)] {
-        let body_c = bench.unwrap().tissue.parameters().body_c;
+        let tissue = bench.unwrap().tissue;
+        let body_c = tissue.parameters().body_c;
         assert!((body_c - rest_c).abs() < 1e-12, "{body_c}");
+        let guarded_c = tissue.guarded_c();
+        assert!((guarded_c - rest_c.max(33.0)).abs() < 1e-12, "{guarded_c}");
     }
     let folder = std::env::temp_dir().join(format!("palpate-rest-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

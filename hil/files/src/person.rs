@@ -42,6 +42,20 @@ pub struct FeltChannel {
     pub threshold_um: Spread,
     /// Exponent by which the sensation grows with the displacement.
     pub growth: Spread,
+    /// Area of the contact for which the threshold of `vibration` holds, cm2: strip on the skin times length. Left out:
+    /// it holds for a wire of the bench, whatever its area.
+    pub area_cm2: Option<f64>,
+    /// Exponent by which that threshold falls with the area, up to 0.1 cm2; left out: 1/2, which is 3 dB per doubling.
+    pub summation: Option<f64>,
+}
+
+/// The channel NP II of a fingertip.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct FeltPeak {
+    /// Peak of the displacement after the Pacinian filter that is just felt, um.
+    pub threshold_um: Spread,
 }
 
 impl FeltChannel {
@@ -49,7 +63,17 @@ impl FeltChannel {
         let at = |name: &str| format!("{key}.{name}");
         let threshold = at("threshold_um");
         self.threshold_um.check(source, &threshold, MOST_UM, "um")?;
-        self.growth.check(source, &at("growth"), 10.0, "")
+        self.growth.check(source, &at("growth"), 10.0, "")?;
+        bounds!(source, key, self;
+            area_cm2: 1e-5..=10.0, "cm2";
+            summation: 0.0..=1.0, "")?;
+        match (self.area_cm2, self.summation) {
+            (None, Some(_)) => Err(source.bad(
+                &at("summation"),
+                "no exponent, or area_cm2 beside it: the area for which the threshold holds",
+            )),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -68,6 +92,8 @@ pub struct PersonFile {
     pub vibration: FeltChannel,
     /// The channel NP I, best at 40 Hz.
     pub flutter: FeltChannel,
+    /// The channel NP II, which feels short vibrations of small areas. Left out: a person without it.
+    pub np2: Option<FeltPeak>,
 }
 
 impl PersonFile {
@@ -80,6 +106,14 @@ impl PersonFile {
         source.heading(&file.name, &file.description)?;
         file.vibration.check(source, "vibration")?;
         file.flutter.check(source, "flutter")?;
+        if file.flutter.area_cm2.is_some() {
+            let expected = "no area: this channel does not add up over it";
+            return Err(source.bad("flutter.area_cm2", expected));
+        }
+        if let Some(np2) = &file.np2 {
+            np2.threshold_um
+                .check(source, "np2.threshold_um", MOST_UM, "um")?;
+        }
         Ok(file)
     }
 }
@@ -103,7 +137,7 @@ pub struct Wearer {
     /// Interval of each wire's threshold, low and high, with 95 % of what is held for possible.
     pub threshold_interval: Option<Vec<[f64; 2]>>,
     /// Displacement that this wearer just feels as vibration, um: the amplitude of a long sine at 250 Hz. `level_db`
-    /// of a scene counts from it. Left out: that of the person `typical`.
+    /// of a scene counts from it. It holds for a wire of the wearer's bench. Left out: that of the person `typical`.
     pub vibration_um: Option<f64>,
     /// Displacement that this wearer just feels as flutter or tap, um: the peak of the filtered displacement.
     pub flutter_um: Option<f64>,

@@ -186,10 +186,15 @@ pub(super) fn limits_of(bench: &Loaded<Bench>) -> Result<Loaded<LimitTable>, Fil
         ..
     } = limits.value.limits;
     let lowest_c = skin_mean_mc.min(skin_peak_mc).min(skin_deep_mc) as f64 / 1e3;
-    if bench.value.tissue.rest_c >= lowest_c {
+    let tissue = &bench.value.tissue;
+    if tissue.guarded_c() >= lowest_c {
         let table = &limits.value.name;
+        let key = match tissue.rest_c >= lowest_c {
+            true => "tissue.rest_c",
+            false => "tissue.warmest_c",
+        };
         let expected = format!("less than {lowest_c}, the lowest row of [skin] in `{table}`");
-        return Err(bench.source.bad("tissue.rest_c", expected));
+        return Err(bench.source.bad(key, expected));
     }
     Ok(limits)
 }

@@ -57,13 +57,13 @@ impl Band {
         display: &mut WornDisplay,
         whole: bool,
     ) -> Result<Self, Failure> {
-        let (wire, headline) = (plan::wire(setup), plan::person(&setup.person.value));
+        let (wire, headline) = (plan::wire(setup), plan::emulated_person(setup));
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", setup.bench.value.name));
         let tissue = setup.bench.value.tissue.parameters();
         let gain = Bow::new(&wire, &tissue).map_err(impossible)?.gain;
         let persons = PERSONS
             .iter()
-            .map(|&name| Ok((name, plan::person(&load_person(name)?.value))));
+            .map(|&name| Ok((name, plan::on_bench(&load_person(name)?.value, setup))));
         let persons: Vec<(&str, Person)> = persons.collect::<Result<_, Failure>>()?;
         let (mut corners, mut others) = (Vec::new(), 0);
         let presets: [(_, WireParameters); 2] = [("taut", wire.taut()), ("loose", wire)];
@@ -116,6 +116,7 @@ impl Band {
                 levels: Levels {
                     vibration_db: met.levels.vibration_db + corner.shift.vibration_db,
                     flutter_db: met.levels.flutter_db + corner.shift.flutter_db,
+                    np2_db: met.levels.np2_db + corner.shift.np2_db,
                 },
                 ..met
             });
@@ -163,6 +164,10 @@ fn shift(gain: f64, headline: &Person, person: &Person) -> Levels {
     Levels {
         vibration_db: decibels(headline.vibration_um / person.vibration_um),
         flutter_db: decibels(headline.flutter_um / person.flutter_um),
+        np2_db: match (headline.np2_um, person.np2_um) {
+            (Some(headline), Some(person)) => decibels(headline / person),
+            _ => Levels::SILENT.np2_db,
+        },
     }
 }
 

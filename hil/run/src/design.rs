@@ -74,16 +74,18 @@ pub fn resized(wire: &WireParameters, diameter_m: f64, length_m: f64) -> WirePar
 }
 
 /// The worst corner of the guard's parameter range for tissue over seconds (`docs/guard.md`): best contact, all the heat
-/// in the wire, and a wire that gives off late what it took.
+/// in the wire, a wire that gives off late what it took, and the warmest finger.
 fn worst(wire: &WireParameters, tissue: &TissueParameters) -> (WireParameters, TissueParameters) {
     let wire = WireParameters {
         wire_share: 1.0,
         specific_heat: 837.0,
         ..*wire
     };
+    let guarded_c = f64::from(WornWire::default().rest_mc) / 1e3;
     let tissue = TissueParameters {
         contact_h: 10_000.0,
         contact_fraction: 0.5,
+        body_c: tissue.body_c.max(guarded_c),
         ..*tissue
     };
     (wire, tissue)
@@ -134,7 +136,7 @@ pub fn outcome(
         outcome.levels = felt.levels;
     }
     let (wire_there, tissue_there) = worst(wire, tissue);
-    let mut hottest = Wire::new(&wire_there, &tissue_there, tissue.body_c)?;
+    let mut hottest = Wire::new(&wire_there, &tissue_there, tissue_there.body_c)?;
     let end = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
     outcome.wire_c = peaks.wire_c;
     outcome.skin_c = [peaks.shallow_c, hottest.peaks(end).shallow_c];

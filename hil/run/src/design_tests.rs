@@ -6,6 +6,7 @@ use palpate_core::physics::{Mechanics, Mount};
 const PERSON: Person = Person {
     vibration_um: 0.26,
     flutter_um: 5.0,
+    np2_um: None,
     growth: [0.7, 1.0],
 };
 
@@ -98,6 +99,7 @@ fn what_another_point_beats_in_everything_is_dominated() {
         let levels = Levels {
             vibration_db: db,
             flutter_db: -200.0,
+            np2_db: -200.0,
         };
         let of = DesignOutcome {
             levels,

@@ -177,7 +177,7 @@ impl EmulatedDisplay {
                 (display, Shared::new(layer))
             }
         };
-        let person = plan::person(&setup.person.value);
+        let person = plan::emulated_person(setup);
         let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
         let full = FullDrive::new(setup, projector)?;

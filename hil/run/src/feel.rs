@@ -41,7 +41,7 @@ impl FullDrive {
             at = at + Nanos(prescale.period_ns());
             pulses += 1;
         }
-        let person = plan::person(&setup.person.value);
+        let person = plan::emulated_person(setup);
         let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
         alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::io;
 
-use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
-use palpate_files::{Format, load_alloy, load_person, load_wire};
+use palpate_core::physics::{ParameterError, WireParameters};
+use palpate_files::{BenchTissue, Format, load_alloy, load_person, load_wire};
 use palpate_records::report::page::wide;
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{self, Plot, Svg, dot, escape, path_key};
@@ -51,9 +51,9 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
     let person = load_person(&args.person)?.value;
     let points = points(args)?;
     let progress = Progress::counted("designs", points.len() as u64, "points");
-    let tissue = TissueParameters::DEFAULT;
-    let felt_by = plan::person(&person);
+    let tissue = BenchTissue::default().parameters();
     let of = |point: &DesignPoint| {
+        let felt_by = plan::person(&person, &point.wire, &tissue);
         let outcome = outcome(&point.wire, &tissue, &point.pattern, felt_by, args.seconds);
         progress.step();
         outcome.map_err(|e: ParameterError| {
@@ -120,6 +120,7 @@ fn points(args: &DesignArgs) -> Result<Vec<DesignPoint>, Failure> {
                         let sized = resized(&base, diameter_um / 1e6, length_mm / 1e3);
                         let wire = WireParameters {
                             bias_stress_pa: stress_mpa * 1e6,
+                            ends_c: BenchTissue::default().rest_c,
                             ..sized
                         };
                         if points.len() + patterns.len() > MOST {

@@ -29,6 +29,7 @@ const WIRE: WireParameters = WireParameters::FINAL;
 const PERSON: Person = Person {
     vibration_um: 0.26,
     flutter_um: 5.0,
+    np2_um: None,
     growth: [0.7, 1.0],
 };
 /// Tolerances of the other integrator.

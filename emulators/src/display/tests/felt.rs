@@ -11,6 +11,7 @@ const MS: u64 = 1_000_000;
 const PERSON: Person = Person {
     vibration_um: 0.45,
     flutter_um: 5.0,
+    np2_um: None,
     growth: [0.7, 1.0],
 };
 

@@ -3,7 +3,8 @@
 //! `docs/felt.md` has the law and where every number comes from. In short: the displacement u under each wire goes through
 //! the filters of both channels (`filter.rs`). The Pacinian one adds up energy with a leak of 0.2 s, over all wires:
 //! q' = (2 y^2 - q) / 0.2 s, L_P = 10 log10(max q / a0^2). Of NP I the strongest wire counts: L_N = 20 log10(max |y| / a_N).
-//! Something is felt where either level reaches 0 dB.
+//! A person may have NP II too, of which the strongest wire counts by the first filter: L_II = 20 log10(max |y| / a_II).
+//! Something is felt where a level reaches 0 dB. `threshold.rs` has a0 by the area that moves.
 //!
 //! Between events u is a sum of exponentials, so both filters are exact at any time. The energy's integrals are taken by
 //! Gauss's rule on pieces so short that nothing but rounding is left of its error.
@@ -11,6 +12,7 @@
 mod filter;
 mod gauss;
 mod piece;
+mod threshold;
 mod train;
 mod wire;
 
@@ -19,6 +21,7 @@ use gauss::Gauss;
 use palpate_core::physics::ParameterError;
 use palpate_core::vector::Vectors;
 use piece::{LEAK_S, Tables};
+pub use threshold::AreaThreshold;
 pub use train::Kick;
 use wire::{Met, Shared, WireFilter};
 
@@ -59,21 +62,26 @@ impl Centroid {
 /// A person's parameters; `fixtures/persons` has values and where they come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Person {
-    /// a0: amplitude of a long sine at 250 Hz that the Pacinian channel just feels, um.
+    /// a0: amplitude of a long sine at 250 Hz that the Pacinian channel just feels under one wire, um.
     pub vibration_um: f64,
     /// a_N: peak of the filtered displacement that the channel NP I just feels, um.
     pub flutter_um: f64,
+    /// a_II: peak of the Pacinian filter's displacement that the channel NP II just feels, um; `None`: a person without
+    /// it, as for every headline.
+    pub np2_um: Option<f64>,
     /// Exponents by which what is felt grows with the amplitude: Pacinian channel, NP I.
     pub growth: [f64; 2],
 }
 
-/// Levels of both channels over their thresholds, dB.
+/// Levels of the channels over their thresholds, dB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
     /// The Pacinian channel: vibration.
     pub vibration_db: f64,
     /// NP I: flutter and taps.
     pub flutter_db: f64,
+    /// NP II: short vibration of small areas; silent for a person without it.
+    pub np2_db: f64,
 }
 
 impl Levels {
@@ -81,27 +89,29 @@ impl Levels {
     pub const SILENT: Self = Self {
         vibration_db: SILENCE_DB,
         flutter_db: SILENCE_DB,
+        np2_db: SILENCE_DB,
     };
 
-    /// The higher one.
+    /// The highest one.
     pub const fn db(&self) -> f64 {
-        self.vibration_db.max(self.flutter_db)
+        self.vibration_db.max(self.flutter_db).max(self.np2_db)
     }
 
-    /// Tells whether anything is felt: either channel is at or over its threshold.
+    /// Tells whether anything is felt: a channel is at or over its threshold.
     pub const fn felt(&self) -> bool {
         self.db() >= 0.0
     }
 
     /// Felt intensity, 1 at threshold: the stronger channel and half the weaker (Hollins and Roy 1996), each grown by
-    /// its power. It is 0 where nothing is felt; a channel below threshold adds nothing.
+    /// its power. NP II feels vibration as the Pacinian channel does: the stronger of them counts. It is 0 where nothing
+    /// is felt; a channel below threshold adds nothing.
     pub fn intensity(&self, growth: [f64; 2]) -> f64 {
         let grown = |db: f64, exponent: f64| match db >= 0.0 {
             true => libm::pow(10.0, exponent * db / 20.0),
             false => 0.0,
         };
         let (p, n) = (
-            grown(self.vibration_db, growth[0]),
+            grown(self.vibration_db.max(self.np2_db), growth[0]),
             grown(self.flutter_db, growth[1]),
         );
         p.max(n) + p.min(n) / 2.0
@@ -165,6 +175,7 @@ impl Perceiver {
         };
         above("vibration_um", person.vibration_um)?;
         above("flutter_um", person.flutter_um)?;
+        above("np2_um", person.np2_um.unwrap_or(1.0))?;
         person
             .growth
             .into_iter()
@@ -307,7 +318,7 @@ impl Perceiver {
     /// moved since then.
     pub fn felt(&self, skin_c: f64) -> Option<Felt> {
         let (mut energy, mut amplitude) = (Mean::default(), Mean::default());
-        let mut strongest = 0.0_f64;
+        let (mut strongest_p, mut strongest_n) = (0.0_f64, 0.0_f64);
         for (
             Met {
                 energy: e,
@@ -319,7 +330,8 @@ impl Perceiver {
         {
             energy.add(e, place);
             amplitude.add(peak_p, place);
-            strongest = strongest.max(peak_n);
+            strongest_p = strongest_p.max(peak_p);
+            strongest_n = strongest_n.max(peak_n);
         }
         let loss = if skin_c < COLD.0 {
             COLD.1 * (COLD.0 - skin_c)
@@ -330,11 +342,13 @@ impl Perceiver {
         };
         let a0 = self.person.vibration_um;
         let decibels = |power: f64| (10.0 * libm::log10(power)).max(SILENCE_DB);
-        let flutter = strongest / self.person.flutter_um;
+        let flutter = strongest_n / self.person.flutter_um;
+        let np2 = self.person.np2_um.map_or(0.0, |um| strongest_p / um);
         (energy.weights > 0.0 && amplitude.weights > 0.0).then(|| Felt {
             levels: Levels {
                 vibration_db: (decibels(self.most / (a0 * a0)) - loss).max(SILENCE_DB),
                 flutter_db: decibels(flutter * flutter),
+                np2_db: decibels(np2 * np2),
             },
             energy_mm: energy.place(),
             amplitude_mm: amplitude.place(),

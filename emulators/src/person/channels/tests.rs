@@ -6,15 +6,16 @@ use core::f64::consts::TAU;
 /// PRE_SCALE 30: the true period of the chip, s.
 const T: f64 = 5.079_04e-3;
 
-fn person(a0: f64) -> Person {
+pub(super) fn person(a0: f64) -> Person {
     Person {
         vibration_um: a0,
         flutter_um: 1.0,
+        np2_um: None,
         growth: [0.7, 1.0],
     }
 }
 
-fn one() -> Perceiver {
+pub(super) fn one() -> Perceiver {
     Perceiver::new(person(1.0), &[(0.0, 0.0)]).unwrap()
 }
 
@@ -27,7 +28,7 @@ fn ramp(um: f64, seconds: f64) -> Stretch {
 }
 
 /// A sine of 1 um from `from` on, in straight lines so short that no level changes by 0.001 dB.
-fn sine(perceiver: &mut Perceiver, hz: f64, from: f64, seconds: f64) {
+pub(super) fn sine(perceiver: &mut Perceiver, hz: f64, from: f64, seconds: f64) {
     let step = 1.0 / (hz * 200.0);
     let count = (seconds / step).round() as usize;
     let at = |n: usize| libm::sin(TAU * hz * (from + n as f64 * step));
@@ -37,12 +38,12 @@ fn sine(perceiver: &mut Perceiver, hz: f64, from: f64, seconds: f64) {
     perceiver.settle();
 }
 
-fn db(amplitude: f64) -> f64 {
+pub(super) fn db(amplitude: f64) -> f64 {
     20.0 * libm::log10(amplitude)
 }
 
 #[track_caller]
-fn near(found: f64, expected: f64, tolerance: f64) {
+pub(super) fn near(found: f64, expected: f64, tolerance: f64) {
     assert!(
         (found - expected).abs() <= tolerance,
         "expected {expected}, found {found}"
@@ -181,6 +182,7 @@ fn a_burst_of_the_exact_wire_is_felt_as_computed_elsewhere() {
             Person {
                 vibration_um: 0.26,
                 flutter_um: 5.0,
+                np2_um: None,
                 growth: [0.7, 1.0],
             },
             &[(0.0, 0.0)],
@@ -265,6 +267,7 @@ fn the_weaker_channel_counts_half_above_threshold_only() {
     let levels = |vibration_db, flutter_db| Levels {
         vibration_db,
         flutter_db,
+        ..Levels::SILENT
     };
     near(
         levels(20.0, 20.0).intensity([0.5, 1.0]),
@@ -410,7 +413,14 @@ fn what_is_no_number_moves_nothing_and_no_person_is_impossible() {
             let wrong = Person {
                 vibration_um: a0,
                 flutter_um: a_n,
+                np2_um: None,
                 growth: [n, 1.0],
+            };
+            assert!(Perceiver::new(wrong, &[]).is_err());
+            let np2_um = Some(bad);
+            let wrong = Person {
+                np2_um,
+                ..person(1.0)
             };
             assert!(Perceiver::new(wrong, &[]).is_err());
         }

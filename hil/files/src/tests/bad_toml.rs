@@ -312,67 +312,6 @@ fn layouts() {
 }
 
 #[test]
-fn people_have_thresholds_and_wearers_begin_below_full_scale() {
-    check(
-        palpate_fixtures::person("typical").unwrap(),
-        PersonFile::read,
-        &[
-            (
-                "low = 0.24",
-                "low = -0.24",
-                "f.toml:8: vibration.threshold_um.low: expected a number from 0.001 to 1000 um, found -0.24",
-            ),
-            (
-                "value = 0.45",
-                "value = -0.45",
-                "f.toml:8: vibration.threshold_um.value: expected a number from 0.24 to 0.85 um, found -0.45",
-            ),
-            (
-                "high = 15.0",
-                "high = nan",
-                "f.toml:12: flutter.threshold_um.high: expected a finite number, found nan",
-            ),
-            (
-                "value = 0.7",
-                "value = 0.0",
-                "f.toml:9: vibration.growth.value: expected a number from 0.5 to 0.9, found 0.0",
-            ),
-        ],
-    );
-    check(
-        palpate_fixtures::wearer("example-8").unwrap(),
-        Wearer::read,
-        &[
-            (
-                "gain = [1.0,",
-                "gain = [1.5,",
-                "f.toml:4: gain[0]: expected a number from 0.01 to 1 of full scale, found 1.5",
-            ),
-            (
-                "threshold = [0.1,",
-                "threshold = [1.0,",
-                "f.toml:5: threshold[0]: expected from 0 to below the wire's full scale, its gain of 1, found 1.0",
-            ),
-            (
-                "gain = [1.0, 1.0,",
-                "gain = [1.0,",
-                "f.toml:5: threshold: expected 7 thresholds, one a gain, found 8",
-            ),
-            (
-                "gain =",
-                "vibration_um = 0.0\ngain =",
-                "f.toml:4: vibration_um: expected a number from 0.001 to 1000 um, found 0.0",
-            ),
-            (
-                "gain =",
-                "flutter_um = nan\ngain =",
-                "f.toml:4: flutter_um: expected a finite number, found nan",
-            ),
-        ],
-    );
-}
-
-#[test]
 fn limit_tables_may_only_tighten() {
     let text = palpate_fixtures::limits("default").unwrap();
     check(

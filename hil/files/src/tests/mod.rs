@@ -6,6 +6,7 @@ mod converters;
 mod displays;
 mod mutations;
 mod overrides;
+mod people;
 mod shipped;
 mod touches;
 mod transducers;

@@ -68,7 +68,7 @@ pub(super) fn ask(
 pub(crate) fn strongest(setup: &Setup, projector: &Projector) -> Result<f64, Failure> {
     let (guard, timing) = (projector.guard(), projector.timing());
     let pulses = (timing.duration.as_micros() * 1000).div_ceil(guard.prescale().period_ns());
-    let bursts = Bursts::new(setup, super::person(&setup.person.value))?;
+    let bursts = Bursts::new(setup, super::emulated_person(setup))?;
     let [.., felt] = bursts.felt(guard.widest(), guard.prescale(), (pulses, timing.soa));
     Ok(felt.map_or(Levels::SILENT, |felt| felt.levels).db())
 }

@@ -14,7 +14,8 @@ pub use current::{banks, converters, with_converters};
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
-pub use person::person;
+pub(crate) use person::on_bench;
+pub use person::{emulated_person, person};
 pub use reaction::{Reaction, reaction};
 pub use response::Responses;
 pub(crate) use response::felt_wire;
@@ -351,7 +352,11 @@ pub fn untextured(
     // Where current is set, a unit's largest current counts for heat and is never requested.
     let peak = control.map_or(plant.peak, |control| control.full_scale);
     let prescale = plant.prescale;
-    let worn = WornWire::new(&wire(setup), &bench.tissue.parameters());
+    let warmest = TissueParameters {
+        body_c: bench.tissue.guarded_c(),
+        ..bench.tissue.parameters()
+    };
+    let worn = WornWire::new(&wire(setup), &warmest);
     let mut guard = Guard::new(limits, plant, display.wires(), worn)
         .and_then(|guard| match control {
             Some(control) => guard.with_current(control),

@@ -7,7 +7,7 @@ use palpate_emulators::person::channels::Perceiver;
 use palpate_emulators::time::Nanos;
 use palpate_files::Setup;
 
-use super::{felt_wire, person};
+use super::{emulated_person, felt_wire};
 use crate::failure::Failure;
 
 /// Bursts before the one that counts: wire and tissue have got warm.
@@ -57,7 +57,7 @@ fn moves(stretch: &Stretch) -> f64 {
 /// [`Failure::Input`] for a wire or person that cannot be.
 pub fn reaction(setup: &Setup, projector: &Projector) -> Result<Reaction, Failure> {
     let bench = &setup.bench.value;
-    let mut perceiver = Perceiver::new(person(&setup.person.value), &[(0.0, 0.0)])
+    let mut perceiver = Perceiver::new(emulated_person(setup), &[(0.0, 0.0)])
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
     let mut wire = felt_wire(setup)?;
     let (prescale, timing) = (projector.guard().prescale(), projector.timing());

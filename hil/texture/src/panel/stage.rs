@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
         let gaps = along(&places, plan.display.gap());
         let mut display = emulated(setup, plan.display.wires())?;
         display.keep_flows();
-        let person = plan::person(&setup.person.value);
+        let person = plan::emulated_person(setup);
         let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
         let mut bank = plan::banks(&setup.bench.value, display.bus(), prescale);

@@ -25,14 +25,15 @@ fn mm(p: PlaceUm) -> (f64, f64) {
 
 /// The figure, as the typical person feels it.
 pub(super) fn five_five() -> Result<Figure, Failure> {
-    let person = person("typical")?;
     let mut svg = Svg::new(4.0 * COLUMN, 4.0 * ROW, "Figure 5.5 for four paths");
     // Breaks inside the wires and past the outermost ones, by law.
     let mut breaks = [[0_usize; 2]; 2];
     for (column, scene) in (0_u8..).zip(PATHS) {
         let left = f64::from(column) * COLUMN;
         svg.text((left + 100.0, 11.0), "wire-name", scene);
-        let outcome = run(&Setup::load(scene, DRIVES[0].file)?, &Input::Scene)?;
+        let setup = Setup::load(scene, DRIVES[0].file)?;
+        let person = person("typical", &setup)?;
+        let outcome = run(&setup, &Input::Scene)?;
         contact_path(&outcome.trace).draw(&mut svg, area(left, 0.0));
         counts(&outcome, &mut svg, left);
         let laws = [IllusionModel::Phantom, IllusionModel::default()];

@@ -113,6 +113,7 @@ impl Case {
         let mut setup = self.setup()?;
         let mut by = |vibration_um, flutter_um| {
             setup.person.value.vibration.threshold_um.value = vibration_um;
+            setup.person.value.vibration.area_cm2 = None;
             setup.person.value.flutter.threshold_um.value = flutter_um;
             let outcome = run(&setup, &Input::Scene, seed)?;
             match outcome.failure {
@@ -274,22 +275,24 @@ fn cases() -> Vec<Case> {
 }
 
 /// The worst of a case's seeds.
-fn figures(case: &Case, persons: &[Person; 3]) -> Result<Figures, Failure> {
+fn figures(case: &Case) -> Result<Figures, Failure> {
     let mut worst: Option<Figures> = None;
-    let map = *build(&case.setup()?, SEEDS[0], Levels::Off)?.map();
+    let setup = case.setup()?;
+    let persons = persons(&setup)?;
+    let map = *build(&setup, SEEDS[0], Levels::Off)?.map();
     for seed in SEEDS {
-        let one = Figures::of(&case.play(seed)?, persons, (case, &map));
+        let one = Figures::of(&case.play(seed)?, &persons, (case, &map));
         worst = Some(worst.map_or(one, |worst| worst.worse(one)));
     }
     Ok(worst.unwrap_or_default())
 }
 
 /// All cases on every processor; which one computes what changes no figure.
-fn all(cases: &[Case], persons: &[Person; 3]) -> Result<Vec<Figures>, Failure> {
+fn all(cases: &[Case]) -> Result<Vec<Figures>, Failure> {
     let lanes = thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let lane = |first: usize| {
         let mine = cases.iter().enumerate().skip(first).step_by(lanes);
-        mine.map(|(n, case)| Ok((n, figures(case, persons)?)))
+        mine.map(|(n, case)| Ok((n, figures(case)?)))
             .collect::<Result<Vec<_>, Failure>>()
     };
     let lane = &lane;
@@ -306,9 +309,17 @@ fn all(cases: &[Case], persons: &[Person; 3]) -> Result<Vec<Figures>, Failure> {
     Ok(each.into_iter().map(|part| part.1).collect())
 }
 
-/// One of the persons.
-pub(super) fn person(name: &str) -> Result<Person, Failure> {
-    Ok(plan::person(&load_person(name)?.value))
+/// One of the persons, with a bench's wires.
+pub(super) fn person(name: &str, setup: &Setup) -> Result<Person, Failure> {
+    let tissue = setup.bench.value.tissue.parameters();
+    let wire = plan::wire(setup);
+    Ok(plan::person(&load_person(name)?.value, &wire, &tissue))
+}
+
+/// Every one of [`PERSONS`], with a bench's wires.
+fn persons(setup: &Setup) -> Result<[Person; 3], Failure> {
+    let [a, b, c] = PERSONS;
+    Ok([person(a, setup)?, person(b, setup)?, person(c, setup)?])
 }
 
 /// A law's name here: the default is called so.
@@ -324,10 +335,8 @@ pub(super) fn law(model: IllusionModel) -> &'static str {
 /// # Errors
 /// [`Failure`] where a shipped file cannot be read, or a run fails.
 pub fn measure() -> Result<Findings, Failure> {
-    let [a, b, c] = PERSONS;
-    let persons = [person(a)?, person(b)?, person(c)?];
     let cases = cases();
-    let figures = all(&cases, &persons)?;
+    let figures = all(&cases)?;
     let mut found = Findings::new("felt-in-loop");
     for (case, figures) in cases.iter().zip(&figures) {
         for (person, score) in PERSONS.into_iter().zip(&figures.by) {

@@ -26,7 +26,7 @@ fn a_person_feels_what_the_probes_meet_less_the_thresholds() {
         setup.person = load_person(name).unwrap();
         let outcome = run(&setup, &Input::Scene, 1).unwrap();
         let theirs: Vec<_> = outcome.trace.events.iter().filter_map(onset).collect();
-        let person = person(name).unwrap();
+        let person = person(name, &setup).unwrap();
         let ours = played.onsets.iter().map(|o| met(o, &person));
         let ours: Vec<_> = ours.filter_map(|e| onset(&e)).collect();
         assert_eq!(ours.len(), theirs.len());
@@ -45,8 +45,6 @@ fn a_person_feels_what_the_probes_meet_less_the_thresholds() {
 
 #[test]
 fn own_scenes_are_felt_and_the_worst_seed_is_kept() {
-    let [a, b, c] = PERSONS;
-    let persons = [a, b, c].map(|name| person(name).unwrap());
     for scene in ["rest", "press"] {
         let case = Case {
             law: IllusionModel::Balanced,
@@ -54,12 +52,14 @@ fn own_scenes_are_felt_and_the_worst_seed_is_kept() {
             wires: "final-75um",
             scene,
         };
-        let map = *build(&case.setup().unwrap(), 1, Levels::Off).unwrap().map();
+        let setup = case.setup().unwrap();
+        let persons = persons(&setup).unwrap();
+        let map = *build(&setup, 1, Levels::Off).unwrap().map();
         let of = |seed| Figures::of(&case.play(seed).unwrap(), &persons, (&case, &map));
         let [one, two] = [1, 2].map(of);
         let worst = one.worse(two);
         let [one, two, worst] = [one, two, worst].map(|f| {
-            assert!(f.skin_c > 33.0 && f.energy_mj > 10.0, "{scene}");
+            assert!(f.skin_c > 30.0 && f.energy_mj > 10.0, "{scene}");
             (f.by[1].worst_mm(), f.by[1].level_db.unwrap()[1])
         });
         assert_eq!(worst, (one.0.max(two.0), one.1.min(two.1)), "{scene}");

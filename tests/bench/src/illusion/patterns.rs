@@ -122,7 +122,7 @@ impl Worn {
             wire: plan::wire(setup),
             tissue: bench.tissue.parameters(),
             amps: bench.drive.current_ma * 1e-3,
-            person: person("typical")?,
+            person: person("typical", setup)?,
         })
     }
 
