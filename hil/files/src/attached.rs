@@ -65,6 +65,7 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            band: None,
             drawn: None,
             observed: false,
             scene,

@@ -3,6 +3,7 @@
 mod fingers;
 
 use super::activation::ActivationFile;
+use super::band::{BandFile, band_of};
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
@@ -78,6 +79,8 @@ pub struct Setup {
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
+    /// Felt level of the bench over all that is not measured, where there is a file of it.
+    pub band: Option<Loaded<BandFile>>,
     /// Wires and finger in place of the bench's.
     pub drawn: Option<Drawn>,
     pub(super) observed: bool,
@@ -125,6 +128,7 @@ impl Setup {
             wearer.value.fits(&wearer.source, wires)?;
         }
         check_outputs(&bench, &display.value)?;
+        let band = band_of(&bench)?;
         if let Some(needed) = &scene.value.map.display
             && *needed != hardware.display
             && *needed != display.value.name
@@ -148,6 +152,7 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
+            band,
             drawn: None,
             observed: false,
         })

@@ -97,7 +97,6 @@ impl Calibration {
         *vibration = of(Quantity::Vibration, *vibration);
         let flutter = &mut person.flutter.threshold_um.value;
         *flutter = of(Quantity::Flutter, *flutter);
-        let person = plan::person(&setup.person.value);
         let log_weights = self.weights.of(&draw, &wire, &tissue, person)?;
         let mut figures = Drawn {
             draw,

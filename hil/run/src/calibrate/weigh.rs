@@ -5,12 +5,14 @@ use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Levels, Perceiver, Person};
 use palpate_emulators::time::Nanos;
 use palpate_files::{
-    EvidenceDrive, EvidenceFile, EvidenceRow, Loaded, Measured, Quantity, load_alloy, load_wire,
+    EvidenceDrive, EvidenceFile, EvidenceRow, Loaded, Measured, PersonFile, Quantity, load_alloy,
+    load_wire,
 };
 
 use super::draw::Draw;
 use super::marginal::log_likelihood;
 use crate::failure::Failure;
+use crate::plan;
 
 /// Bursts on a wire, and the rows that they gave.
 #[derive(Debug)]
@@ -80,7 +82,7 @@ impl Weights {
         draw: &Draw,
         own: &WireParameters,
         tissue: &TissueParameters,
-        person: Person,
+        person: &PersonFile,
     ) -> Result<Vec<f64>, Failure> {
         let mut weights = Vec::new();
         for bench in &self.benches {
@@ -91,6 +93,7 @@ impl Weights {
                 wire.wire_share = bench.drive.wire_share.unwrap_or(wire.wire_share);
                 wire
             });
+            let person = plan::person(person, &wire, tissue);
             let visit = visit(&wire, tissue, &bench.drive, person)?;
             weights.extend(bench.rows.iter().map(|(measured, row)| match measured {
                 Measured::Stroke => log_likelihood(row, visit.stroke_um),
