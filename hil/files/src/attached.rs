@@ -65,7 +65,6 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
-            band: None,
             drawn: None,
             observed: false,
             scene,

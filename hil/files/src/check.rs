@@ -8,7 +8,6 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::activation::ActivationFile;
-use super::band::BandFile;
 use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
@@ -185,7 +184,6 @@ impl Mended {
             FileKind::Protocol => self.read(|s| Protocol::read(s).map(drop)),
             FileKind::Priors => self.read(|s| PriorsFile::read(s).map(drop)),
             FileKind::Evidence => self.read(|s| EvidenceFile::read(s).map(drop)),
-            FileKind::Band => self.read(|s| BandFile::read(s).map(drop)),
             FileKind::Recording => self.recipe(),
             FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }

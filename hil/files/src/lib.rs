@@ -9,7 +9,6 @@ mod activation;
 mod address;
 mod arrays;
 mod attached;
-mod band;
 mod bench;
 mod change;
 mod check;
@@ -83,7 +82,6 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
-pub use band::{BandFile, band_path};
 pub use bench::{
     Amplifier, Bench, BenchDac, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
     ExternalClock, Network, Output, OutputEnable, Real,

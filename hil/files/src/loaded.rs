@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::activation::ActivationFile;
-use super::band::BandFile;
 use super::bench::Bench;
 use super::error::FileError;
 use super::evidence::EvidenceFile;
@@ -90,7 +89,6 @@ files! {
     Protocol = Protocol, load_protocol "A protocol";
     PriorsFile = Priors, load_priors "Priors";
     EvidenceFile = Evidence, load_evidence "Evidence";
-    BandFile = Band;
     Recipe = Recording, load_recipe "A recipe of a recording";
 }
 

@@ -3,7 +3,6 @@
 mod fingers;
 
 use super::activation::ActivationFile;
-use super::band::{BandFile, band_of};
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
@@ -79,8 +78,6 @@ pub struct Setup {
     pub unit: Option<Hello>,
     /// Heat and dose of earlier runs: the guard goes on from them.
     pub memory: Option<Memory>,
-    /// Felt level of the bench over all that is not measured, where there is a file of it.
-    pub band: Option<Loaded<BandFile>>,
     /// Wires and finger in place of the bench's.
     pub drawn: Option<Drawn>,
     pub(super) observed: bool,
@@ -128,7 +125,6 @@ impl Setup {
             wearer.value.fits(&wearer.source, wires)?;
         }
         check_outputs(&bench, &display.value)?;
-        let band = band_of(&bench)?;
         if let Some(needed) = &scene.value.map.display
             && *needed != hardware.display
             && *needed != display.value.name
@@ -152,7 +148,6 @@ impl Setup {
             bus_wait: Duration::ZERO,
             unit: None,
             memory: None,
-            band,
             drawn: None,
             observed: false,
         })

@@ -32,8 +32,6 @@ pub enum Shelf {
     Priors,
     /// Evidence about wires and people.
     Evidence,
-    /// Felt levels of benches over all that is not measured.
-    Bands,
     /// Tables of textures.
     Textures,
     /// Studies with people.
