@@ -1,7 +1,5 @@
 //! Options of `hil calibrate`.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 
 use super::{Voice, ranges, whole};
@@ -45,12 +43,6 @@ pub struct CalibrateArgs {
     /// A value in place of the bench's (`mount.sag_um=200`). Repeatable.
     #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
-    /// Write the draws as a table (CSV).
-    #[arg(short = 'o', long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// Overwrite a file that is no earlier output of hil.
-    #[arg(short = 'f', long)]
-    pub force: bool,
     /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,

@@ -37,16 +37,11 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
     let own = args.planned == Planned::Own;
     let calibration = Calibration::new(setup, &priors.value, &evidence, own, args.seed)?;
-    let (drawn, posterior) = enough(args, &calibration)?;
-    let _ = &drawn;
-    tell(args, &evidence, &posterior)
+    tell(args, &enough(args, &calibration)?)
 }
 
 /// Draws until the effective sample size is enough, or no more may be drawn.
-fn enough(
-    args: &CalibrateArgs,
-    calibration: &Calibration,
-) -> Result<(Vec<Drawn>, Posterior), Failure> {
+fn enough(args: &CalibrateArgs, calibration: &Calibration) -> Result<Posterior, Failure> {
     let cores = || std::thread::available_parallelism().map_or(1, Into::into);
     let jobs = args.jobs.unwrap_or_else(cores);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
@@ -83,7 +78,7 @@ fn enough(
         drawn.extend(fresh.into_iter().map(|(_, drawn)| drawn));
         let posterior = Posterior::of(&drawn);
         if posterior.effective >= ENOUGH || wanted >= most {
-            return Ok((drawn, posterior));
+            return Ok(posterior);
         }
         // As many as this share of effective draws wants, and a tenth more.
         let share = posterior.effective / wanted as f64;
@@ -92,11 +87,7 @@ fn enough(
     }
 }
 
-fn tell(
-    args: &CalibrateArgs,
-    evidence: &[Loaded<EvidenceFile>],
-    posterior: &Posterior,
-) -> Result<(), Failure> {
+fn tell(args: &CalibrateArgs, posterior: &Posterior) -> Result<(), Failure> {
     if args.voice.quiet {
         return Ok(());
     }
@@ -128,7 +119,7 @@ fn tell(
         writeln!(out, "{}", shares("priors", &posterior.kinds_before))?;
         writeln!(out, "{}", shares("with evidence", &posterior.kinds_after))?;
         if posterior.effective < ENOUGH {
-            writeln!(out, "{}", few(evidence, posterior))?;
+            writeln!(out, "{}", few(posterior))?;
         }
         Ok(())
     })
@@ -153,9 +144,8 @@ fn shares(name: &str, kinds: &Kinds) -> String {
     )
 }
 
-/// Words for too few effective draws, with the row that leaves fewest.
-fn few(evidence: &[Loaded<EvidenceFile>], posterior: &Posterior) -> String {
-    let _ = evidence;
+/// Words for too few effective draws, with what helps.
+fn few(posterior: &Posterior) -> String {
     format!(
         "Only {:.0} of {} draws count, fewer than {ENOUGH:.0}: percentiles rest on few wires. --most allows more draws; wider tolerances leave more.",
         posterior.effective, posterior.draws
