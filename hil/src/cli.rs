@@ -1,5 +1,6 @@
 //! The command line.
 
+mod calibrate;
 mod compare;
 mod contacts;
 mod design;
@@ -21,6 +22,7 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+pub use calibrate::{CalibrateArgs, Planned};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 pub use contacts::{ContactsArgs, StaleArg};
@@ -200,6 +202,10 @@ pub enum Command {
     ///
     /// The trace has the wire's displacement or resistance.
     Identify(IdentifyArgs),
+    /// Compute what is felt on a bench over all that is not measured.
+    ///
+    /// Wires, fingers and people are drawn from priors and weighed by evidence.
+    Calibrate(CalibrateArgs),
     /// Say figure by figure how two results differ.
     ///
     /// Results are summaries, folders of `hil run --out` or tables of sweeps; of a folder of earlier summaries it shows how

@@ -93,6 +93,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Some(Command::Completions(args)) => command::completions(&args),
         Some(Command::Man(args)) => command::man(&args),
         Some(Command::Identify(args)) => command::identify(&args),
+        Some(Command::Calibrate(args)) => command::calibrate(&args),
         Some(Command::Compare(args)) => command::compare(&args, cli.color),
         Some(Command::Design(args)) => command::design(&args, cli.color),
         Some(Command::Sweep(args)) => command::sweep(&args, cli.color),

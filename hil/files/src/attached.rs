@@ -67,6 +67,7 @@ impl Setup {
             memory: None,
             pass: Pass::default(),
             told: None,
+            drawn: None,
             observed: false,
             scene,
             bench,

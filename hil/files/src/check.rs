@@ -11,12 +11,14 @@ use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
+use super::evidence::EvidenceFile;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::loaded::Loaded;
 use super::near::{nearest, quoted_words};
 use super::person::{PersonFile, Wearer};
 use super::placeholder;
+use super::priors::PriorsFile;
 use super::protocol::Protocol;
 use super::quarantine::Quarantine;
 use super::recipe::Recipe;
@@ -180,6 +182,8 @@ impl Mended {
             FileKind::Activation => self.read(|s| ActivationFile::read(s).map(drop)),
             FileKind::Textures => self.read(|s| TextureTable::read(s).map(drop)),
             FileKind::Protocol => self.read(|s| Protocol::read(s).map(drop)),
+            FileKind::Priors => self.read(|s| PriorsFile::read(s).map(drop)),
+            FileKind::Evidence => self.read(|s| EvidenceFile::read(s).map(drop)),
             FileKind::Recording => self.recipe(),
             FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }

@@ -16,6 +16,7 @@ mod clock;
 mod columns;
 mod dialect;
 mod error;
+mod evidence;
 mod fault;
 mod felt;
 mod finger;
@@ -43,8 +44,10 @@ mod pace;
 mod person;
 mod placeholder;
 mod plain;
+mod priors;
 mod proposal;
 mod protocol;
+mod quantity;
 mod quarantine;
 mod reading;
 mod recipe;
@@ -87,6 +90,7 @@ pub use check::{Checked, check, check_source, kind_of};
 pub use clock::Timing;
 pub use columns::{Columns, JOINT, Take};
 pub use error::{FileError, said, unnumbered};
+pub use evidence::{Bound, EvidenceDrive, EvidenceFile, EvidenceRow, Measured};
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
@@ -97,8 +101,8 @@ pub use joint::{Gate, Joint, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, Settings, load_activation, load_alloy, load_bench, load_layout, load_person,
-    load_protocol, load_recipe, load_scene, load_textures, load_wire,
+    Loaded, Settings, load_activation, load_alloy, load_bench, load_evidence, load_layout,
+    load_person, load_priors, load_protocol, load_recipe, load_scene, load_textures, load_wire,
 };
 pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
@@ -111,6 +115,7 @@ pub use own_bench::DEFAULT_BENCH;
 pub use pace::Pace;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
+pub use priors::{Prior, PriorEntry, PriorsFile};
 pub use proposal::{Assumed, Proposal, propose};
 pub use protocol::{
     ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
@@ -118,6 +123,7 @@ pub use protocol::{
     SimulatedDrawings, SimulatedMatches, SimulatedPlaces, SimulatedRatings, SimulatedThresholds,
     TaskKind, ThresholdMethod, ThresholdTask,
 };
+pub use quantity::{PriorTable, Quantity};
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{
     LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,
@@ -131,7 +137,7 @@ pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{Finger, Pass, Setup, Stroked, plan_of, sensor_of};
+pub use setup::{Drawn, Finger, Pass, Setup, Stroked, plan_of, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;

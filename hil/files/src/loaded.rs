@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::error::FileError;
+use super::evidence::EvidenceFile;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::near::nearest;
 use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
 use super::placeholder::keys;
+use super::priors::PriorsFile;
 use super::protocol::Protocol;
 use super::recipe::Recipe;
 use super::resolve::{FileKind, resolve, resolve_from};
@@ -85,6 +87,8 @@ files! {
     ActivationFile = Activation, load_activation "An activation";
     TextureTable = Textures, load_textures "A table of textures";
     Protocol = Protocol, load_protocol "A protocol";
+    PriorsFile = Priors, load_priors "Priors";
+    EvidenceFile = Evidence, load_evidence "Evidence";
     Recipe = Recording, load_recipe "A recipe of a recording";
 }
 

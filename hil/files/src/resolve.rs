@@ -19,7 +19,7 @@ macro_rules! kinds {
 
         impl FileKind {
             /// Every kind.
-            pub const ALL: [Self; 13] = [$(Self::$kind),+];
+            pub const ALL: [Self; 15] = [$(Self::$kind),+];
 
             /// The name of the kind, as the schema of such files has it.
             #[must_use]
@@ -77,6 +77,10 @@ kinds! {
     Quarantine = "quarantine" "quarantines" "a quarantine",
     /// A study with people.
     Protocol = "protocol" "protocols" "a protocol" protocol protocol_names,
+    /// Priors of what has not been measured.
+    Priors = "priors" "priors" "priors" priors priors_names,
+    /// Evidence about wires and people.
+    Evidence = "evidence" "evidence" "evidence" evidence evidence_names,
     /// A recipe for a recording.
     Recording = "recording" "recordings" "a recipe of a recording",
 }

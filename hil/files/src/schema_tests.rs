@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use super::limits::Limiting;
 use super::{
-    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Protocol, Quarantine, Recipe, Scene,
-    TextureTable, Wearer, WireFile,
+    ActivationFile, AlloyFile, Bench, EvidenceFile, LayoutFile, PersonFile, PriorsFile, Protocol,
+    Quarantine, Recipe, Scene, TextureTable, Wearer, WireFile,
 };
 
 /// A key that may be left out altogether has no default to speak of, and neither has a name.
@@ -26,9 +26,11 @@ fn shipped_schemas_are_current() {
         ("activation", schemars::schema_for!(ActivationFile)),
         ("alloy", schemars::schema_for!(AlloyFile)),
         ("bench", schemars::schema_for!(Bench)),
+        ("evidence", schemars::schema_for!(EvidenceFile)),
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limiting)),
         ("person", schemars::schema_for!(PersonFile)),
+        ("priors", schemars::schema_for!(PriorsFile)),
         ("protocol", schemars::schema_for!(Protocol)),
         ("quarantine", schemars::schema_for!(Quarantine)),
         ("recording", schemars::schema_for!(Recipe)),

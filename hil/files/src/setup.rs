@@ -22,7 +22,7 @@ use super::wire::{AlloyFile, WireFile, check_rest};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
 use palpate_core::guard::{Limits, Memory};
-use palpate_core::physics::WireParameters;
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::projector::HotPass;
 use palpate_core::units::Duration;
 
@@ -58,6 +58,17 @@ impl Pass {
             Self::Before | Self::LeftOut => None,
         }
     }
+}
+
+/// Wires and finger that a run emulates in place of the bench's, of which its guard does not know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// The wires.
+    pub wire: WireParameters,
+    /// The finger.
+    pub tissue: TissueParameters,
+    /// True if the law plans with the response of these wires, false if with that of the bench's.
+    pub is_identified: bool,
 }
 
 /// A scene on a bench, with everything they name.
@@ -97,6 +108,8 @@ pub struct Setup {
     pub pass: Pass,
     /// Sentence for the run's records on the hot pass of its wires.
     pub told: Option<String>,
+    /// Wires and finger in place of the bench's.
+    pub drawn: Option<Drawn>,
     pub(super) observed: bool,
 }
 
@@ -167,6 +180,7 @@ impl Setup {
             memory: None,
             pass: Pass::default(),
             told: None,
+            drawn: None,
             observed: false,
         })
     }

@@ -11,6 +11,7 @@ mod activations;
 mod actuator_bus;
 mod band;
 mod boards;
+pub mod calibrate;
 pub mod design;
 pub mod display_end;
 pub mod effects;

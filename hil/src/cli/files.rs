@@ -28,6 +28,10 @@ pub enum Shelf {
     Alloys,
     /// Activations: maps from roughness to pulses.
     Activations,
+    /// Priors of what has not been measured.
+    Priors,
+    /// Evidence about wires and people.
+    Evidence,
     /// Tables of textures.
     Textures,
     /// Studies with people.

@@ -8,7 +8,7 @@ use super::Cli;
 
 /// Commands by purpose. One that no group names stands in the last.
 const GROUPS: [(&str, &[&str]); 6] = [
-    ("Run", &["run", "serve", "sweep", "design"]),
+    ("Run", &["run", "serve", "sweep", "design", "calibrate"]),
     ("Compare", &["diff", "compare", "test", "review"]),
     ("Files of your own", &["list", "new", "check", "export"]),
     (

@@ -41,6 +41,12 @@ pub struct IdentifyArgs {
     /// The column of times, and its unit: s, ms, us or ns (default: a first column `time_us`).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
+    /// Write what was found as evidence for `hil calibrate` (TOML).
+    #[arg(short = 'o', long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Overwrite a file that is no earlier output of hil.
+    #[arg(short = 'f', long)]
+    pub force: bool,
     /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,

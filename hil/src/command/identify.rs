@@ -1,6 +1,8 @@
 //! `hil identify`: the figures of a wire that a trace shows.
 
-use palpate_files::{FileError, Overrides, Rows, Setup, Take, Timing};
+use std::fmt::Write as _;
+
+use palpate_files::{FileError, Format, Overrides, Rows, Setup, Take, Timing};
 use palpate_run::identify::{
     Figure, Identified, MOST_SAMPLES, Sample, Signal, Subject, clipped, identify as find,
 };
@@ -8,7 +10,7 @@ use palpate_run::{Failure, plan};
 use serde_json::json;
 
 use crate::cli::{IdentifyArgs, SignalArg};
-use palpate_live::output::{print, print_json};
+use palpate_live::output::{Outputs, print, print_json};
 use palpate_live::progress::Progress;
 
 /// Temperature of skin and wire before the first pulse, degrees C.
@@ -23,6 +25,10 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         SignalArg::Displacement => (Signal::Displacement, "displacement_um", "um"),
         SignalArg::Resistance => (Signal::Resistance, "resistance_ohm", "Ohm"),
     };
+    let outputs = Outputs::of(args.force);
+    if let Some(path) = &args.out {
+        outputs.check(path, Format::Toml)?;
+    }
     let samples = read(args, column)?;
     let shown = Progress::endless("fitting the model");
     let found = find(&subject(args)?, signal, &samples).map_err(|expected| {
@@ -34,6 +40,10 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         ))
     })?;
     drop(shown);
+    if let Some(path) = &args.out {
+        let text = evidence(&found, args);
+        outputs.write(path, Format::Toml, |out| out.write_all(text.as_bytes()))?;
+    }
     if args.voice.quiet {
         return Ok(());
     }
@@ -55,6 +65,25 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
             found.samples, found.rms
         )
     })
+}
+
+/// File of evidence with a row for each figure that the trace shows.
+fn evidence(found: &Identified, args: &IdentifyArgs) -> String {
+    let trace = args.trace.display();
+    let source = format!("hil identify {trace}: {} samples", found.samples);
+    let mut text = format!(
+        "# Written by `hil identify` of palpate.\nname = \"identified\"\ndescription = {:?}\n",
+        format!("Wires of bench {} by a trace", args.bench)
+    );
+    for row in found.evidence(&source) {
+        let [below, above] = row.tolerance.unwrap_or_default();
+        let _ = write!(
+            text,
+            "\n[[row]]\nquantity = {:?}\nvalue = {:?}\nunit = {:?}\ntolerance = [{below:?}, {above:?}]\nsource = {:?}\n",
+            row.quantity, row.value, row.unit, row.source
+        );
+    }
+    text
 }
 
 fn line(figure: &Figure) -> String {

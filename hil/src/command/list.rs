@@ -89,6 +89,8 @@ const fn kind(shelf: Shelf) -> Option<FileKind> {
         Shelf::Wires => FileKind::Wire,
         Shelf::Alloys => FileKind::Alloy,
         Shelf::Activations => FileKind::Activation,
+        Shelf::Priors => FileKind::Priors,
+        Shelf::Evidence => FileKind::Evidence,
         Shelf::Textures => FileKind::Textures,
         Shelf::Protocols => FileKind::Protocol,
         Shelf::Illusions => return None,

@@ -1,6 +1,7 @@
 //! One function a command: arguments in, files and text out.
 
 mod ahead;
+mod calibrate;
 mod check;
 mod compare;
 mod contacts;
@@ -47,6 +48,7 @@ mod texture_response;
 mod texture_train;
 mod unit;
 
+pub use calibrate::calibrate;
 pub use check::check;
 pub use compare::compare;
 pub use contacts::contacts;

@@ -23,7 +23,7 @@ fn goldens(name: &str) -> Folder {
         .lines()
         .find(|l| l.starts_with("  burst  "))
         .unwrap();
-    let less = row.replace("30.552", "40.552").replace("61.104", "81.104");
+    let less = row.replace("30.578", "40.578").replace("61.156", "81.156");
     assert_ne!(less, row);
     let later = later.replace(row, &less);
     folder.write("sphere-along.schedule.snap.new", &waits(&later));

@@ -4,6 +4,7 @@ mod bad_scene;
 mod bad_toml;
 mod converters;
 mod displays;
+mod evidence;
 mod mutations;
 mod overrides;
 mod people;

@@ -34,6 +34,7 @@ pub(super) fn no_bench(bench: &Bench) -> impl Fn(ParameterError) -> Failure {
 /// Configuration of a bench's display with `wires` on a finger.
 pub(super) fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
     let bench = &setup.bench.value;
+    let (wire, tissue) = plan::worn(setup);
     let place = |w: &DisplayWire| WirePlace {
         at: w.place,
         board: w.board.0,
@@ -61,8 +62,8 @@ pub(super) fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
             volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
             ohm: bench.amplifier.supply_ohm,
         },
-        wire: plan::wire(setup),
-        tissue: bench.tissue.parameters(),
+        wire,
+        tissue,
         clock: BusClock::Fast,
     }
 }

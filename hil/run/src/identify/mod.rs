@@ -8,6 +8,7 @@ mod fit;
 use palpate_core::physics::{DEEPEST, RPhase, TissueParameters, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
+use palpate_files::{Bound, EvidenceRow, Quantity};
 
 /// Measured quantity of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub struct Subject {
 pub struct Figure {
     /// Name of the figure.
     pub name: &'static str,
+    /// Quantity of evidence that the figure is.
+    pub quantity: Quantity,
     /// Unit of the figure; empty for a ratio.
     pub unit: &'static str,
     /// Value that the search began with.
@@ -73,9 +76,35 @@ pub struct Identified {
     pub samples: usize,
 }
 
+/// Standard normal quantile of a two-sided 95 % interval.
+const Z_95: f64 = 1.96;
+
+impl Identified {
+    /// Rows of evidence for what the trace shows; `source` says which trace that is.
+    pub fn evidence(&self, source: &str) -> Vec<EvidenceRow> {
+        let found = self
+            .figures
+            .iter()
+            .filter_map(|figure| Some((figure, figure.found?)));
+        let row = |(figure, found): (&Figure, Found)| EvidenceRow {
+            quantity: figure.quantity.key().to_owned(),
+            value: found.value,
+            unit: figure.quantity.unit().to_owned(),
+            tolerance: Some([(found.half / Z_95).max(1e-9); 2]),
+            factor: None,
+            bound: Bound::Near,
+            times: 1,
+            source: source.to_owned(),
+            drive: None,
+        };
+        found.map(row).collect()
+    }
+}
+
 /// A figure to look for.
 struct Unknown {
     name: &'static str,
+    quantity: Quantity,
     unit: &'static str,
     start: f64,
     range: (f64, f64),
@@ -100,6 +129,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
     let wire = &subject.wire;
     let stress = Unknown {
         name: "bias stress",
+        quantity: Quantity::Stress,
         unit: "MPa",
         start: wire.bias_stress_pa * 1e-6,
         range: (0.0, 400.0),
@@ -108,6 +138,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
     if signal == Signal::Resistance {
         let resistance = Unknown {
             name: "resistance",
+            quantity: Quantity::Resistance,
             unit: "Ohm",
             start: wire.resistance_ohm,
             range: (0.01, 1000.0),
@@ -115,6 +146,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
         };
         let ratio = Unknown {
             name: "austenite ratio",
+            quantity: Quantity::AusteniteRatio,
             unit: "",
             // At 1 nothing would depend on the stress.
             start: if (wire.austenite_ratio - 1.0).abs() < 0.01 {
@@ -129,6 +161,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
     }
     let sag = Unknown {
         name: "sag",
+        quantity: Quantity::Sag,
         unit: "um",
         start: wire.mount.sag_m * 1e6,
         range: (20.0, wire.length_m * DEEPEST * 1e6),
@@ -136,6 +169,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
     };
     let martensite = Unknown {
         name: "strain of martensite",
+        quantity: Quantity::Strain,
         unit: "%",
         start: wire.mechanics.transformation_strain * 100.0,
         range: (0.0, 9.0),
@@ -145,6 +179,7 @@ fn unknowns(subject: &Subject, signal: Signal) -> Vec<Unknown> {
     if let Some(r) = wire.r_phase {
         all.push(Unknown {
             name: "strain of the R phase",
+            quantity: Quantity::RStrain,
             unit: "%",
             start: r.strain * 100.0,
             range: (0.0, 5.0),
@@ -239,6 +274,7 @@ pub fn identify(
     let figures = unknowns.iter().zip(best.values.iter().zip(&halves));
     let figures = figures.map(|(unknown, (value, half))| Figure {
         name: unknown.name,
+        quantity: unknown.quantity,
         unit: unknown.unit,
         assumed: unknown.start,
         found: half.map(|half| Found {

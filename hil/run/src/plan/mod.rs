@@ -207,6 +207,14 @@ pub fn wire(setup: &Setup) -> WireParameters {
     }
 }
 
+/// Wires and finger that an emulated display has: those that were drawn, else the bench's.
+pub(crate) fn worn(setup: &Setup) -> (WireParameters, TissueParameters) {
+    let own = || (wire(setup), setup.bench.value.tissue.parameters());
+    setup
+        .drawn
+        .map_or_else(own, |drawn| (drawn.wire, drawn.tissue))
+}
+
 /// Milliamperes of a file, which has checked their range.
 pub fn milliamps(ma: f64) -> Milliamps {
     Milliamps(ma.round() as u32)

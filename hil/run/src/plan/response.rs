@@ -22,12 +22,19 @@ const BEFORE: u64 = 1;
 /// Bursts that count.
 const COUNTED: usize = 2;
 
-/// A setup's wire on a finger, at rest, whose motion is kept for a person to feel.
+/// A setup's emulated wire on a finger, at rest, whose motion is kept for a person to feel.
 pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
-    let (bench, wire) = (&setup.bench.value, super::wire(setup));
-    let tissue = bench.tissue.parameters();
+    kept(setup, super::worn(setup))
+}
+
+/// A wire on a finger, at rest, whose motion is kept for a person to feel.
+fn kept(
+    setup: &Setup,
+    (wire, tissue): (WireParameters, TissueParameters),
+) -> Result<Wire, Failure> {
     let alone = Wire::new(&wire, &tissue, tissue.body_c).and_then(|wire| wire.worn(&tissue));
-    let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    let name = &setup.bench.value.name;
+    let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{name}`: {e}")))?;
     alone.keep_stretches();
     Ok(alone)
 }
@@ -65,9 +72,13 @@ impl Responses {
         pattern: &Pattern,
     ) -> Result<FeltResponse, Failure> {
         let bench = &setup.bench.value;
+        let planned = match setup.drawn {
+            Some(drawn) if drawn.is_identified => (drawn.wire, drawn.tissue),
+            _ => (super::wire(setup), bench.tissue.parameters()),
+        };
         let question = Question {
-            wire: super::wire(setup),
-            tissue: bench.tissue.parameters(),
+            wire: planned.0,
+            tissue: planned.1,
             amps: bench.drive.current_ma * 1e-3,
             person: super::person::believed(setup)?,
             widest: guard.widest(),
@@ -77,7 +88,7 @@ impl Responses {
         if let Some((_, felt)) = known.iter().find(|(asked, _)| *asked == question) {
             return Ok(felt.clone());
         }
-        let felt = response(&Bursts::new(setup, question.person)?, &question);
+        let felt = response(&Bursts::of(setup, planned, question.person)?, &question);
         known.push((question, felt.clone()));
         Ok(felt)
     }
@@ -118,16 +129,25 @@ pub(crate) struct Bursts {
 }
 
 impl Bursts {
-    /// Bursts of a setup's wire and current on `person`.
+    /// Bursts of a setup's emulated wire and current on `person`.
     pub fn new(setup: &Setup, person: Person) -> Result<Self, Failure> {
+        Self::of(setup, super::worn(setup), person)
+    }
+
+    /// Bursts of any wire on any finger with a setup's current.
+    fn of(
+        setup: &Setup,
+        worn: (WireParameters, TissueParameters),
+        person: Person,
+    ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         let perceiver = Perceiver::new(person, &[(0.0, 0.0)])
             .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
         Ok(Self {
-            wire: felt_wire(setup)?,
+            wire: kept(setup, worn)?,
             perceiver,
             amps: bench.drive.current_ma * 1e-3,
-            rest_c: bench.tissue.rest_c,
+            rest_c: worn.1.body_c,
         })
     }
 

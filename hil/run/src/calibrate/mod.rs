@@ -1,0 +1,152 @@
+//! Calibration by evidence: what is felt on a bench, over all wires, fingers and people that priors and evidence allow.
+//!
+//! A draw plays the bench's own scene through the bench's own loop, on emulated wires of which guard and law do not know,
+//! and feels it as a person of its own. Evidence weighs it; effective sample size tells how much that leaves.
+
+mod draw;
+mod marginal;
+mod posterior;
+mod weigh;
+
+pub use draw::Draw;
+pub use posterior::{Drawn, Kinds, Posterior, Spread, percentiles};
+
+use palpate_core::physics::{ParameterError, WireParameters};
+use palpate_emulators::display::wire::Wire;
+use palpate_emulators::person::channels::Levels;
+use palpate_files::{EvidenceFile, Loaded, Pass, PriorsFile, Quantity, Setup};
+use palpate_records::trace::{PlaceUm, Trace, event};
+
+use crate::failure::Failure;
+use crate::policy::refuse_hardware;
+use crate::{Host, Input, Keep, pass, plan, run_with};
+use draw::Draws;
+use weigh::Weights;
+
+/// The scene that every draw plays.
+pub const SCENE: &str = "sphere-along";
+/// Effective sample size from which percentiles are stated.
+pub const ENOUGH: f64 = 200.0;
+/// A level below which nothing moves and no place is felt, dB.
+const STILL_DB: f64 = -60.0;
+
+/// Draws of a bench.
+#[derive(Debug)]
+pub struct Calibration {
+    setup: Setup,
+    bench_wire: WireParameters,
+    draws: Draws,
+    weights: Weights,
+    is_identified: bool,
+    /// Error of a guess at the middle of the path, RMSE, mm: where no place is felt.
+    unplaced_mm: f64,
+}
+
+impl Calibration {
+    /// A calibration of a setup. The law plans with a table of each draw's own wire where `is_identified`, else with the
+    /// bench's.
+    ///
+    /// # Errors
+    /// A bench of hardware or of several displays, and evidence that does not fit the priors.
+    pub fn new(
+        mut setup: Setup,
+        priors: &PriorsFile,
+        evidence: &[Loaded<EvidenceFile>],
+        is_identified: bool,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        refuse_hardware(&setup.bench.value)?;
+        plan::display(&setup)?;
+        // Every draw begins as after a hot pass, where the bench has one.
+        if pass::is_due(&setup) && pass::lasts(&setup) {
+            pass::set_passed(&mut setup);
+        }
+        setup.pass = Pass::LeftOut;
+        let bench_wire = plan::wire(&setup);
+        let nominal = run_with(&setup, &Input::Scene, 1, Keep::default(), &mut ())?;
+        Ok(Self {
+            draws: Draws::new(priors, evidence, &bench_wire, seed)?,
+            weights: Weights::new(evidence)?,
+            unplaced_mm: unplaced_mm(&nominal.trace),
+            bench_wire,
+            is_identified,
+            setup,
+        })
+    }
+
+    /// Figures of the draw of this number: the same in every order and on every number of cores.
+    ///
+    /// # Errors
+    /// Priors that nothing can be drawn from, and what ends a run.
+    pub fn drawn(&self, number: u64, host: &mut dyn Host) -> Result<Drawn, Failure> {
+        let bench_tissue = self.setup.bench.value.tissue.parameters();
+        let made = |draw: &Draw| {
+            let (wire, tissue) = (draw.wire(&self.bench_wire), draw.tissue(&bench_tissue));
+            let made = Wire::new(&wire, &tissue, tissue.body_c).and_then(|w| w.worn(&tissue));
+            made.map(drop)
+        };
+        // A wire that pulls itself straight before its first pulse is one that is not felt; any other cannot be.
+        let straight = |made: Result<(), ParameterError>| {
+            made.is_err_and(|ParameterError { name }| name == "mount.sag_m")
+        };
+        let draw = self
+            .draws
+            .draw(number, |draw| made(draw).is_ok() || straight(made(draw)))?;
+        let (wire, tissue) = (draw.wire(&self.bench_wire), draw.tissue(&bench_tissue));
+        let mut setup = self.setup.clone();
+        let person = &mut setup.person.value;
+        let of = |quantity, own: f64| draw.value(quantity).unwrap_or(own);
+        let vibration = &mut person.vibration.threshold_um.value;
+        *vibration = of(Quantity::Vibration, *vibration);
+        let flutter = &mut person.flutter.threshold_um.value;
+        *flutter = of(Quantity::Flutter, *flutter);
+        let log_weights = self.weights.of(&draw, &wire, &tissue, person)?;
+        let mut figures = Drawn {
+            draw,
+            log_weights,
+            level_db: Levels::SILENT.db(),
+            error_mm: self.unplaced_mm,
+        };
+        if made(&figures.draw).is_err() {
+            return Ok(figures);
+        }
+        setup.drawn = Some(palpate_files::Drawn {
+            wire,
+            tissue,
+            is_identified: self.is_identified,
+        });
+        let summary = run_with(&setup, &Input::Scene, 1, Keep::default(), host)?.summary;
+        let level = summary.felt.level_db.map(|level| level.median);
+        figures.level_db = level.unwrap_or(figures.level_db);
+        let errors = [summary.felt_error_mm, summary.felt_error_amplitude_mm];
+        let errors = errors
+            .iter()
+            .filter_map(|error| Some(error.everywhere?.rmse));
+        if let Some(worse) = errors.reduce(f64::max)
+            && figures.level_db > STILL_DB
+        {
+            figures.error_mm = worse;
+        }
+        Ok(figures)
+    }
+}
+
+/// Root mean square distance of the onsets' true places from their middle, mm.
+fn unplaced_mm(trace: &Trace) -> f64 {
+    let places: Vec<PlaceUm> = trace
+        .each::<event::Felt>()
+        .map(|felt| felt.target)
+        .collect();
+    let count = places.len().max(1) as f64;
+    let mean = |of: fn(&PlaceUm) -> f64| places.iter().map(of).sum::<f64>() / count;
+    let x = mean(|place| f64::from(place.x));
+    let y = mean(|place| f64::from(place.y));
+    let squares = places.iter().map(|place| {
+        let (dx, dy) = (f64::from(place.x) - x, f64::from(place.y) - y);
+        dx * dx + dy * dy
+    });
+    libm::sqrt(squares.sum::<f64>() / count) * 1e-3
+}
+
+#[cfg(test)]
+mod tests;
