@@ -8,21 +8,23 @@ use crate::units::Ticks;
 const HEADROOM: f32 = 1.12;
 
 /// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
-/// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 33 ticks.
+/// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 41 ticks.
 ///
 /// The emulators computed it for wires `loose-50um` at 1.2 A, as they do for each run (`hil/run/src/plan/response.rs`). A
 /// test of `palpate-tests` computes it anew and compares to the bit.
-const THIN_8MM: [(u16, f32); 10] = [
+const THIN_8MM: [(u16, f32); 12] = [
     (0, 0.0),
-    (5, 0.010_059_379),
-    (9, 0.023_997_623),
-    (13, 0.053_638_257),
-    (17, 0.091_468_18),
-    (21, 0.120_461_62),
-    (25, 0.124_096_796),
-    (29, 0.122_980_4),
-    (33, 0.131_388_02),
-    (49, 0.131_388_02),
+    (5, 0.009_849_101),
+    (9, 0.014_848_241),
+    (13, 0.041_054_68),
+    (17, 0.074_046_81),
+    (21, 0.107_249_38),
+    (25, 0.127_982_35),
+    (29, 0.139_562_3),
+    (33, 0.143_630_61),
+    (37, 0.154_205_81),
+    (41, 0.154_672_44),
+    (49, 0.154_672_44),
 ];
 
 /// Amplitudes by width of a pulse, any unit.

@@ -123,7 +123,7 @@ pub use protocol::{
     SimulatedDrawings, SimulatedMatches, SimulatedPlaces, SimulatedRatings, SimulatedThresholds,
     TaskKind, ThresholdMethod, ThresholdTask,
 };
-pub use quantity::{PriorTable, Quantity};
+pub use quantity::{Quantity, QuantityTable};
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{
     LONGEST_LINE, Lines, MOST_VALUES, Text, entries, format_of, is_stream, open, read_bytes,

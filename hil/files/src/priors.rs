@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
-use super::quantity::{PriorTable, Quantity};
+use super::quantity::{Quantity, QuantityTable};
 use super::source::Source;
 
 /// The distribution of a quantity; exactly one key is stated.
@@ -107,7 +107,7 @@ pub struct PriorsFile {
     /// Two-way strain that a taut wire has at least, % per MPa of its stress.
     pub taut_strain: f64,
     /// Distributions of the quantities.
-    pub prior: PriorTable,
+    pub prior: QuantityTable<PriorEntry>,
 }
 
 impl PriorsFile {

@@ -36,16 +36,17 @@ macro_rules! quantities {
             }
         }
 
-        /// Priors by quantity.
+        /// Values by quantity.
         #[derive(Debug, Clone, PartialEq, Default, serde::Deserialize)]
         #[cfg_attr(test, derive(schemars::JsonSchema))]
+        #[cfg_attr(test, schemars(bound = "T: schemars::JsonSchema + Default"))]
         #[serde(default, deny_unknown_fields)]
-        pub struct PriorTable { $($(#[$doc])* pub $key: Option<super::priors::PriorEntry>),+ }
+        pub struct QuantityTable<T> { $($(#[$doc])* pub $key: Option<T>),+ }
 
-        impl PriorTable {
-            /// The entry of a quantity.
+        impl<T> QuantityTable<T> {
+            /// The value of a quantity.
             #[must_use]
-            pub const fn entry(&self, quantity: Quantity) -> Option<&super::priors::PriorEntry> {
+            pub const fn entry(&self, quantity: Quantity) -> Option<&T> {
                 match quantity { $(Quantity::$variant => self.$key.as_ref()),+ }
             }
         }

@@ -66,7 +66,8 @@ fn a_run_on_cold_wires_passes_them_before_its_first_moment() {
         (pass.state, pass.passed, pass.wires),
         ("assumed passed", 8, 8)
     );
-    assert!(pass.martensite.unwrap() < PASSED);
+    // On a finger of 30 C stress brings a little back.
+    assert!(pass.martensite.unwrap() < 0.4 * heated::KEPT);
     assert!((33.0..43.0).contains(&pass.hottest_skin_c.unwrap()));
     assert_eq!(pass.schedule.len(), 8 * usize::from(pass.bursts));
     assert!(
