@@ -29,7 +29,7 @@ fn nothing_has_to_be_stated() {
     assert_eq!(projector.timing().duration.as_micros(), 38_092);
     assert_eq!(projector.timing().soa.as_micros(), 117_000);
     // The width at which the default bench's wire is felt most, less the renderer's headroom.
-    assert_eq!(projector.width(1.0), Ticks::new(21));
+    assert_eq!(projector.width(1.0), Ticks::new(28));
     assert_eq!(projector.guard().limits(), &HARD);
     let edges = [-7.05, 7.05].map(|x| projector.map().apply(Point::new(x, 0.0)).x);
     assert!(edges[0].abs() < 1e-4 && (edges[1] - 10.0).abs() < 1e-4);

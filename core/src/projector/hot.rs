@@ -61,7 +61,7 @@ impl Output {
             self.render(now, (onset, Some(until)), actuators, observer)?;
             let ends = until + self.guard.surplus();
             while self.next_onset < ends {
-                self.next_onset = self.next_onset + self.timing().soa;
+                self.next_onset += self.timing().soa;
             }
         }
         observer.onset(onset, &[]);

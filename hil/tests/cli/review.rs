@@ -62,7 +62,7 @@ fn the_margin_that_shrank_comes_first_and_rows_stand_above_one_another() {
     );
     assert_eq!(
         lines[1],
-        "  less left: burst 30.552 -> 40.552 ms of 50.000, 61.104 -> 81.104 % used"
+        "  less left: burst 30.578 -> 40.578 ms of 50.000, 61.156 -> 81.156 % used"
     );
     assert_eq!(lines[2], "  wire 1 falls 5 ms later, at 0.936 s");
     let was = lines
@@ -98,7 +98,7 @@ fn accept_keeps_the_reason_reject_keeps_the_old_and_skip_keeps_both() {
     assert!(
         folder
             .text("sphere-along.schedule.snap")
-            .contains("81.104 %")
+            .contains("81.156 %")
     );
     let idle = folder.text("idle.contacts.snap");
     let said = answered(&folder, "r\n");
@@ -159,7 +159,7 @@ fn the_page_draws_both_over_one_another_and_loads_nothing() {
     let was = text.matches("class=\"was\" d=").count();
     assert!((9..=16).contains(&was), "{was}");
     assert_eq!(text.matches("class=\"is\" d=").count(), was);
-    assert!(text.contains("less left: burst 30.552 -&gt; 40.552 ms"));
+    assert!(text.contains("less left: burst 30.578 -&gt; 40.578 ms"));
     for outside in ["src=", "href=", "@import", "<script", "url("] {
         assert!(!text.contains(outside), "{outside}");
     }

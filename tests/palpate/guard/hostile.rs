@@ -128,7 +128,7 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
         parameters = parameters.clocked(&mut s);
     }
     if let Load::Sized((um, mm), state, rest_c) = load {
-        if case % 3 == 0 {
+        if case.is_multiple_of(3) {
             parameters = parameters.in_the_worst_corner(&mut s);
         }
         parameters = state.of(parameters.sized(sized(um, mm), rest_c), &mut s);

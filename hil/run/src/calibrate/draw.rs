@@ -102,10 +102,10 @@ pub(super) struct Draws {
 }
 
 /// Rows of quantities by themselves, each with its file and index.
-fn rows_of<'e>(
-    evidence: &'e [Loaded<EvidenceFile>],
+fn rows_of(
+    evidence: &[Loaded<EvidenceFile>],
     quantity: Quantity,
-) -> impl Iterator<Item = (&'e Loaded<EvidenceFile>, usize, &'e EvidenceRow)> {
+) -> impl Iterator<Item = (&Loaded<EvidenceFile>, usize, &EvidenceRow)> {
     let all = evidence.iter().flat_map(|file| {
         let rows = file.value.row.iter().enumerate();
         rows.map(move |(index, row)| (file, index, row))

@@ -193,7 +193,7 @@ fn bears(guard: &Guard, display: &Display, setup: &Setup, pass: &HotPass) -> boo
                 return false;
             }
         }
-        start = start + pass.apart;
+        start += pass.apart;
     }
     is_whole
 }
