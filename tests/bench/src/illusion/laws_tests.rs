@@ -1,5 +1,8 @@
 //! Tests of `laws.rs`.
 
+use palpate_core::contact::Levels;
+use palpate_run::build;
+
 use super::*;
 
 #[test]
@@ -22,7 +25,8 @@ fn every_law_takes_the_points_that_are_given() {
             let knobs = space::point(point);
             let overrides = space::overrides(law, knobs.as_ref());
             let setup = Setup::load(PATHS[0], BENCH).unwrap().with(&overrides);
-            assert!(setup.is_ok(), "{} {point}: {:?}", law.name(), setup.err());
+            let built = build(&setup.unwrap(), 1, Levels::Off);
+            assert!(built.is_ok(), "{} {point}: {:?}", law.name(), built.err());
         }
     }
 }

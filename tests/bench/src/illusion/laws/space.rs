@@ -46,6 +46,9 @@ pub(super) const GIVEN: u32 = 2;
 /// Root of x^6 = x + 1: its inverse powers are the steps of the sequence with the least gaps in five dimensions.
 const STEP: f64 = 1.134_724_138_401_519_5;
 
+/// Duration below which `inverse` chooses the frequency of its pulses: half of the points.
+pub(super) const FREE_BELOW_MS: f64 = 15.6;
+
 /// A point of the search space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Knobs {
@@ -102,9 +105,15 @@ pub(super) fn overrides(law: IllusionModel, knobs: Option<&Knobs>) -> Overrides 
         let [soa_ms, tau_d_ms, pulse_us, pwm_hz] = knobs.values;
         let beta = pulse_us * 1e-6 * pwm_hz;
         overrides.scene("laws", "illusion.soa_ms", format!("{soa_ms:.3}"));
-        overrides.scene("laws", "illusion.tau_d_ms", format!("{tau_d_ms:.3}"));
         overrides.scene("laws", "illusion.beta", format!("{beta:.6}"));
-        overrides.bench("laws", "drive.pwm_hz", format!("{pwm_hz:.3}"));
+        // `inverse` finds its duration, and refuses one: that knob says whether it finds the frequency as well.
+        let finds = law == IllusionModel::Inverse;
+        if !finds {
+            overrides.scene("laws", "illusion.tau_d_ms", format!("{tau_d_ms:.3}"));
+        }
+        if !(finds && tau_d_ms < FREE_BELOW_MS) {
+            overrides.bench("laws", "drive.pwm_hz", format!("{pwm_hz:.3}"));
+        }
         if let Some((key, value)) = knobs.fifth(law) {
             overrides.scene("laws", &format!("illusion.{key}"), value);
         }

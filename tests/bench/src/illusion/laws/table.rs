@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use palpate_core::illusion::IllusionModel;
 
-use super::space::{GIVEN, RANGES, Range, shapes};
+use super::space::{FREE_BELOW_MS, GIVEN, RANGES, Range, shapes};
 use super::{BENCH, CHOOSING, Chosen, Felt, SCORING, SITUATIONS, Scored, UNFELT_MM};
 
 /// A figure of a run, and whether more of it is better.
@@ -87,7 +87,7 @@ fn conditions(points: u32) -> String {
     }
     let _ = write!(
         out,
-        "`render` of `inverse` smooth or tap.\n\n\
+        "`render` of `inverse` smooth or tap. `inverse` finds its duration, and below {FREE_BELOW_MS} ms its frequency.\n\n\
          The objective is the worst run of four paths on seeds {}: RMSE over all onsets by the worse centroid, plus \
          {UNFELT_MM} mm times the share of all onsets that are not felt. Scores are of seeds {}, least to most: the lowest \
          level (median, inside the wires) and the largest errors (all onsets) of the paths, counts added up.\n",
