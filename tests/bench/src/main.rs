@@ -38,29 +38,30 @@ use palpate_run::Failure;
 
 use findings::{Findings, Row};
 
-/// Measures a family.
-type Measure = fn() -> Result<Findings, Failure>;
+/// Measures a family, with what the command line says.
+type Measure = fn(&Arguments) -> Result<Findings, Failure>;
 
 /// Every family as the command line spells it, in the order of the page, with what it measures.
-const FAMILIES: [(&str, &[Measure]); 11] = [
-    ("physics", &[physics::measure]),
-    ("perceiver", &[perceiver::measure]),
-    ("emulators", &[emulators::measure]),
-    ("compression", &[compression::measure]),
-    ("texture", &[texture::measure]),
+const FAMILIES: [(&str, &[Measure]); 12] = [
+    ("physics", &[|_| physics::measure()]),
+    ("perceiver", &[|_| perceiver::measure()]),
+    ("emulators", &[|_| emulators::measure()]),
+    ("compression", &[|_| compression::measure()]),
+    ("texture", &[|_| texture::measure()]),
     (
         "illusion",
         &[
-            illusion::measure,
-            illusion::in_loop::measure,
-            illusion::equal_power::measure,
+            |_| illusion::measure(),
+            |_| illusion::in_loop::measure(),
+            |_| illusion::equal_power::measure(),
         ],
     ),
-    ("patterns", &[illusion::patterns::measure]),
-    ("render", &[render::measure]),
-    ("loop", &[projection::measure]),
-    ("unit", &[unit::measure]),
-    ("records", &[records::measure]),
+    ("laws", &[|args| illusion::laws::measure(args.points)]),
+    ("patterns", &[|_| illusion::patterns::measure()]),
+    ("render", &[|_| render::measure()]),
+    ("loop", &[|_| projection::measure()]),
+    ("unit", &[|_| unit::measure()]),
+    ("records", &[|_| records::measure()]),
 ];
 
 /// Run time against error: tables, JSON and plots.
@@ -70,6 +71,10 @@ struct Arguments {
     /// Family to measure (default: every family).
     #[arg(value_parser = FAMILIES.map(|f| f.0))]
     family: Option<String>,
+    /// Points at which `laws` tries each law.
+    #[arg(long, value_name = "N", default_value_t = illusion::laws::POINTS,
+        value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    points: u32,
     /// Write bench.html, bench.json and the plots (SVG) into this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -99,7 +104,7 @@ fn run(args: &Arguments) -> Result<(), Failure> {
                 note(&format!("measuring {name}"));
             }
             for measure in measures {
-                found.push(measure()?);
+                found.push(measure(args)?);
             }
         }
     }

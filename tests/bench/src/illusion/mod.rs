@@ -5,6 +5,7 @@ mod bound;
 pub mod equal_power;
 mod figure;
 pub mod in_loop;
+pub mod laws;
 pub mod patterns;
 
 use std::time::Duration;
