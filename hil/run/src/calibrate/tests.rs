@@ -1,10 +1,14 @@
 //! Calibration against the published bench, and draws that do not depend on their order.
 
 use palpate_core::physics::{History, Mechanics, TissueParameters, WireParameters, WireState};
+use palpate_core::random::RandomStream;
 use palpate_emulators::person::channels::Person;
-use palpate_files::{EvidenceDrive, load_evidence};
+use palpate_emulators::time::Nanos;
+use palpate_files::{EvidenceDrive, Source, load_evidence, load_priors};
 
 use super::weigh::{Visit, visit};
+use super::*;
+use crate::identify::{Sample, Signal, Subject, identify};
 
 /// Bursts of the published rows: the first module's, the final one's.
 fn drives() -> [EvidenceDrive; 2] {
@@ -77,4 +81,107 @@ fn hypotheses_about_the_published_modules_play_as_computed_apart() {
     };
     holds(published(passed(43.0)), Some(15.5), 1.9);
     holds(published(passed(170.0)), Some(22.5), 4.8);
+}
+
+fn bench() -> Setup {
+    Setup::load(SCENE, "emulated").unwrap()
+}
+
+fn calibration(evidence: &[Loaded<EvidenceFile>]) -> Calibration {
+    let priors = load_priors("default").unwrap().value;
+    Calibration::new(bench(), &priors, evidence, true, 1).unwrap()
+}
+
+#[test]
+fn a_draw_is_the_same_in_any_order() {
+    let published = [load_evidence("published").unwrap()];
+    let (one, other) = (calibration(&published), calibration(&published));
+    let forth: Vec<Drawn> = (0..6).map(|n| one.drawn(n, &mut ()).unwrap()).collect();
+    let back = (0..6).rev().map(|n| other.drawn(n, &mut ()).unwrap());
+    let mut back: Vec<Drawn> = back.collect();
+    back.reverse();
+    assert_eq!(forth, back);
+    assert!(forth.windows(2).all(|pair| pair[0] != pair[1]));
+    assert!(forth.iter().any(|d| d.error_mm < one.unplaced_mm - 1.0));
+}
+
+/// A vibrometer's trace of a wire of the bench that is not quite what its file says, with 0.05 um of noise.
+fn trace(wire: &WireParameters, tissue: &TissueParameters) -> Vec<Sample> {
+    let mut worn = Wire::new(wire, tissue, 33.0).unwrap().worn(tissue).unwrap();
+    let mut noise = RandomStream::new(1, "vibrometer");
+    let mut samples = Vec::new();
+    for burst in 0..4_u64 {
+        let amps = [0.8, 1.2, 1.0, 1.2][burst as usize];
+        for pulse in 0..5 {
+            let start = burst * 120_000 + pulse * 5_079;
+            let edges = [(start, amps), (start + 60, amps)];
+            let later = [120, 400, 1_000, 2_500].map(|us| (start + us, 0.0));
+            for (time_us, amps) in edges.into_iter().chain(later) {
+                let at = Nanos::from_micros(time_us);
+                let value = worn.displacement_m(at) * 1e6 + 0.05 * noise.normal();
+                worn.set_current(at, amps);
+                samples.push(Sample {
+                    time_us,
+                    value,
+                    amps,
+                });
+            }
+        }
+    }
+    samples
+}
+
+#[test]
+fn a_wire_that_was_identified_narrows_the_band() {
+    let setup = bench();
+    let (assumed, tissue) = (plan::wire(&setup), TissueParameters::DEFAULT);
+    let mut hidden = assumed;
+    hidden.bias_stress_pa = 13e6;
+    hidden.mechanics.transformation_strain = 0.0025;
+    hidden.mount.sag_m = 235e-6;
+    let subject = Subject {
+        wire: assumed,
+        tissue,
+        start_c: 33.0,
+    };
+    let samples = trace(&hidden, &tissue);
+    let found = identify(&subject, Signal::Displacement, &samples).unwrap();
+    let rows = found.evidence("a trace");
+    assert!(rows.len() >= 3, "{found:?}");
+    let identified = Loaded {
+        value: EvidenceFile {
+            name: "identified".to_owned(),
+            description: "a trace".to_owned(),
+            row: rows,
+        },
+        source: Source::new("identified.toml", ""),
+    };
+    let published = load_evidence("published").unwrap();
+    let band = |evidence: &[Loaded<EvidenceFile>]| {
+        let calibration = calibration(evidence);
+        let drawn = |n| calibration.drawn(n, &mut ()).unwrap();
+        let drawn: Vec<Drawn> = (0..120).map(drawn).collect();
+        Posterior::of(&drawn)
+    };
+    let before = band(std::slice::from_ref(&published));
+    let after = band(&[published, identified]);
+    // Equal weights: what so few draws leave of the published rows would be noise.
+    let width = |of: &Posterior| of.before.level_db[2] - of.before.level_db[0];
+    assert!(
+        width(&after) < 0.8 * width(&before),
+        "{before:?}\n{after:?}"
+    );
+    assert!(after.kinds_before.taut < 0.01, "{after:?}");
+}
+
+#[test]
+fn a_row_that_no_prior_is_near_is_named() {
+    let text = "name = \"a\"\ndescription = \"a\"\n[[row]]\nquantity = \"strain\"\nvalue = 8.0\nunit = \"%\"\ntolerance = [0.1, 0.1]\nsource = \"a\"\n";
+    let evidence = Loaded::read(Source::new("mine.toml", text)).unwrap();
+    let priors = load_priors("default").unwrap().value;
+    let refused = Calibration::new(bench(), &priors, &[evidence], true, 1);
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "mine.toml:5: row[0].value: expected a value near the prior of strain, 0.1 to 3 %, found 8.0"
+    );
 }

@@ -34,7 +34,7 @@ pub(super) struct Weights {
 pub(super) struct Visit {
     /// Largest stroke within a burst, um.
     pub(super) stroke_um: f64,
-    /// Level of the last burst, dB: by then the wire has settled.
+    /// Highest level, dB: people feel a visit whose strongest burst they feel.
     pub(super) level_db: f64,
 }
 
@@ -146,7 +146,9 @@ pub(super) fn visit(
             if number + 1 == drive.visits {
                 let [low, high] = ends.unwrap_or_default();
                 met.stroke_um = met.stroke_um.max(high - low);
-                met.level_db = felt.map_or(Levels::SILENT, |f| f.levels).db();
+                met.level_db = met
+                    .level_db
+                    .max(felt.map_or(Levels::SILENT, |f| f.levels).db());
             }
         }
         begin += nanos(drive.pause_ms * 1e3);
