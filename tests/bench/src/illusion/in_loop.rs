@@ -347,6 +347,7 @@ pub fn measure() -> Result<Findings, Failure> {
         }
     }
     found.table = table::text(&cases, &figures);
+    let [a, b, c] = PERSONS;
     found.words.push(format!(
         "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, felt or not. Levels are the \
          typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; jumps, over two centroids, the typical \

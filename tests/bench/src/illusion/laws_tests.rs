@@ -40,12 +40,12 @@ fn silence_costs_as_much_as_it_is_long() {
         unfelt: 20,
         limited: 0,
     };
-    assert_eq!(felt.cost(), 0.75 + UNFELT_MM / 4.0);
+    assert!((felt.cost() - 0.75 - UNFELT_MM / 4.0).abs() < 1e-12);
     let still = Felt {
         mm: [f64::INFINITY; 2],
         ..felt
     };
-    assert_eq!(still.cost(), f64::INFINITY);
+    assert!(still.cost().is_infinite());
     let both = felt.with(Felt {
         level_db: -1.0,
         mm: [1.0, 0.25],
