@@ -7,12 +7,13 @@ use palpate_texture::panel::{Label, Study, bare, emulated, recorded, taped};
 
 const BENCHES: [&str; 2] = ["emulated", "three-in-line"];
 
-/// Drives and people by whom textures are felt.
+/// Drives and people by whom textures are felt: on a finger of 30 C the typical person feels none of the default bench.
 fn setup(bench: &str) -> Setup {
     let mut felt = Overrides::default();
-    if bench != "emulated" {
-        felt.scene("the test", "illusion.person", "sensitive");
-        felt.scene("the test", "illusion.beta", 0.015_625);
+    felt.scene("the test", "illusion.person", "sensitive");
+    match bench {
+        "emulated" => felt.set("--set", "bench.tissue.rest_c=33").unwrap(),
+        _ => felt.scene("the test", "illusion.beta", 0.015_625),
     }
     let setup = Setup::load("texture-wood", bench).unwrap();
     setup.with(&felt).unwrap()
