@@ -44,7 +44,7 @@ pub fn run(
 /// pass, the report on it.
 ///
 /// # Errors
-/// The errors of [`run`].
+/// The errors of [`run()`].
 pub fn passed(
     setup: &Setup,
     seed: u64,
