@@ -58,6 +58,13 @@ const before = await one.page.evaluate(() => palpate.count);
 await seen(one.page, before + 10);
 console.log("live: reconnect ok");
 
+// Wishes of a page are granted or refused in the run's notes.
+await one.page.click("#hot-pass");
+await one.page.waitForFunction(() => /hot pass: each of 8 wires is heated in turn/.test(document.getElementById("notes").textContent), null, { timeout: 10000 });
+await one.page.click("#rezero");
+await one.page.waitForFunction(() => /rezero: /.test(document.getElementById("notes").textContent), null, { timeout: 10000 });
+console.log("live: wishes ok");
+
 await two.page.click("#stop");
 for (const { page, close } of [one, two]) {
   await page.waitForFunction(() => palpate.over, null, { timeout: 10000 });
