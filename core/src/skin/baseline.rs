@@ -437,10 +437,10 @@ impl Baseline {
     }
 
     /// True if a module is starting over.
-    #[cfg(target_has_atomic = "ptr")]
     pub(crate) const fn is_restarting(&self) -> bool {
         self.restarting
     }
+
     /// True if the reference follows drift.
     pub fn follows_drift(&self) -> bool {
         self.settings.drift.is_some()
