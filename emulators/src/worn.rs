@@ -124,8 +124,6 @@ pub struct WornDisplay {
     tissue: TissueParameters,
     /// The wires, and who feels them.
     worn: Wearing,
-    /// Other wires in their place, through which the same currents flow.
-    others: Vec<Wearing>,
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
@@ -175,7 +173,6 @@ impl WornDisplay {
                 config.wires.len()
             ],
             worn: worn.with_dose(),
-            others: Vec::new(),
             places: config.wires.clone(),
             parameters: config.wire,
             tissue: config.tissue,
@@ -260,9 +257,6 @@ impl WornDisplay {
             let load = self.loads[wire];
             sum += load.amps;
             self.worn.wires[wire].set_current(at, load.amps);
-            for other in &mut self.others {
-                other.wires[wire].set_current(at, load.amps);
-            }
             let (since, before) = self.flowing[wire];
             let watts = load.amps * load.amps * self.parameters.resistance_ohm;
             if watts.to_bits() != before.to_bits() {
@@ -400,18 +394,6 @@ impl WornDisplay {
         self.worn.by(person, &self.places_mm())
     }
 
-    /// Puts other wires beside, at rest, through which the same currents flow from here on, and has the same person feel
-    /// them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
-    ///
-    /// # Errors
-    /// A parameter of wire or person that cannot be, by name.
-    pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
-        let mut other = Wearing::new(wire, &self.tissue, self.places.len())?;
-        other.by(person, &self.places_mm())?;
-        self.others.push(other);
-        Ok(())
-    }
-
     fn places_mm(&self) -> Vec<(f64, f64)> {
         let place = |place: &WirePlace| (f64::from(place.at.x), f64::from(place.at.y));
         self.places.iter().map(place).collect()
@@ -420,20 +402,12 @@ impl WornDisplay {
     /// Sums up what was felt until now.
     pub fn settle(&mut self) {
         self.worn.settle(self.now);
-        self.others.iter_mut().for_each(|o| o.settle(self.now));
     }
 
     /// Takes the stimulus that a person met since the last onset, felt or not, and begins the next one. `None` where no
     /// wire moved or no person wears the display.
     pub fn onset(&mut self) -> Option<Felt> {
         self.worn.onset(self.now)
-    }
-
-    /// Takes the stimuli of the wires beside since the last onset, in
-    /// the order in which they were put there, and begins the next one.
-    pub fn other_onsets(&mut self) -> impl Iterator<Item = Option<Felt>> + '_ {
-        let now = self.now;
-        self.others.iter_mut().map(move |other| other.onset(now))
     }
 
     /// Totals of the run until now.

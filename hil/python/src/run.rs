@@ -107,7 +107,6 @@ pub fn run(
         can: true,
         i2c: true,
         readings: KeptReadings::All,
-        band: true,
         summary: false,
     };
     let mut host = Interruptible::default();

@@ -10,17 +10,16 @@ use palpate_core::units::{Board, Duration, Instant, Prescale};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
-use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
-use palpate_records::trace::{Event, Header, event};
+use palpate_records::trace::{Event, event};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
-use crate::band::{Band, FeltBand};
+use crate::band::band;
 use crate::boards;
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
@@ -99,8 +98,8 @@ pub trait DisplayEnd {
         None
     }
 
-    /// Least and most level of the newest onset over everything that is not measured, dB over threshold.
-    fn newest_band_db(&self) -> Option<[f64; 2]> {
+    /// Level at 5 and 95 % of all that is not measured, dB over threshold.
+    fn band_db(&self) -> Option<[f64; 2]> {
         None
     }
 
@@ -136,8 +135,8 @@ pub struct EmulatedDisplay {
     /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
     summary: bool,
-    /// Felt levels in the other corners of [`Band`], where a view or report shows them.
-    band: Option<Band>,
+    /// Level at 5 and 95 % of all that is not measured, dB over threshold, where the bench has a band.
+    band_db: Option<[f64; 2]>,
     /// Currents of all wires so far.
     currents: Currents,
     /// A Peltier module under the fingertip, where the bench has one.
@@ -211,7 +210,9 @@ impl EmulatedDisplay {
             next_look: Instant::ZERO,
             samples: None,
             summary: false,
-            band: None,
+            band_db: band(setup)
+                .ok()
+                .map(|band| [band.level_db[0], band.level_db[2]]),
             currents: Currents::new(projector.display().wires().len()),
             heat,
             display,
@@ -233,21 +234,6 @@ impl EmulatedDisplay {
             kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
         }
         Ok(())
-    }
-
-    /// Emulates all corners too: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
-        self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
-        Ok(())
-    }
-
-    /// Felt levels and errors over all corners, where they are compared and a contact was inside the display. `known`
-    /// where the true path is known.
-    pub fn band(&self, known: bool) -> Option<FeltBand> {
-        self.band.as_ref()?.finish(known)
     }
 
     /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.
@@ -355,10 +341,8 @@ impl EmulatedDisplay {
     /// Scores the newest onset by its sensation until now; otherwise its successor scores it.
     pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
-        let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
         let pending = self.pending.take();
-        let compared = (self.band.as_mut(), &*others);
-        feel(pending, felt, projector, &self.full, recorder, compared);
+        feel(pending, felt, projector, &self.full, recorder);
     }
 }
 
@@ -432,8 +416,8 @@ impl DisplayEnd for EmulatedDisplay {
         Some(self.display.standing(with_totals))
     }
 
-    fn newest_band_db(&self) -> Option<[f64; 2]> {
-        self.band.as_ref().and_then(Band::newest_db)
+    fn band_db(&self) -> Option<[f64; 2]> {
+        self.band_db
     }
 
     /// Explains an error with the board's number on the bench.

@@ -9,7 +9,6 @@ use palpate_emulators::worn::WornDisplay;
 use palpate_files::Setup;
 use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
 
-use super::band::Band;
 use super::failure::Failure;
 use super::plan;
 use super::recorder::{Onset, Recorder, milli_c};
@@ -97,7 +96,6 @@ pub(super) fn feel(
     projector: &Projector,
     full: &FullDrive,
     recorder: &mut Recorder,
-    (band, others): (Option<&mut Band>, &[Option<Felt>]),
 ) {
     let Some(onset) = onset else {
         return;
@@ -125,19 +123,13 @@ pub(super) fn feel(
         level_mdb: (met.levels.db() * 1e3).round() as i32,
         tap: met.tap(),
     };
-    let event = |met: Option<&Felt>| {
-        Event::Felt(event::Felt {
-            t_us: at.as_micros(),
-            target: PlaceUm::from(true_place.unwrap_or(seen.place)),
-            inside: projector.display().contains(seen.place, HULL_MARGIN),
-            met: met.map(place_of),
-            energy: full.permille(projector, &onset, met),
-        })
-    };
-    recorder.events.push(event(met.as_ref()));
-    if let Some(band) = band {
-        band.add(event, met.as_ref(), others);
-    }
+    recorder.events.push(Event::Felt(event::Felt {
+        t_us: at.as_micros(),
+        target: PlaceUm::from(true_place.unwrap_or(seen.place)),
+        inside: projector.display().contains(seen.place, HULL_MARGIN),
+        met: met.as_ref().map(place_of),
+        energy: full.permille(projector, &onset, met.as_ref()),
+    }));
 }
 
 /// Records the temperature of every wire and of the skin under it.

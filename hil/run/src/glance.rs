@@ -91,7 +91,7 @@ impl Summary {
         let level = self.felt.level_db.as_ref();
         let level = level.map_or_else(String::new, |l| format!(", {:+.1} dB median", l.median));
         let band = self.felt.band.as_ref().map_or_else(String::new, |band| {
-            let [low, high] = band.level_db;
+            let [low, _, high] = band.level_db;
             format!(", band {low:+.1} to {high:+.1} dB")
         });
         format!("{percent} % of {meant} onset{s}{level}{band}")

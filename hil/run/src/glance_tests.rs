@@ -13,10 +13,7 @@ fn played(scene: &str, set: &[&str]) -> Outcome {
     let scene = load_scene(scene).unwrap().with(&overrides).unwrap();
     let bench = load_bench(scene.value.own_bench()).unwrap();
     let setup = Setup::join(scene, bench).unwrap();
-    let keep = Keep {
-        band: true,
-        ..Keep::default()
-    };
+    let keep = Keep { ..Keep::default() };
     run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap()
 }
 

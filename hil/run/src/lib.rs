@@ -61,7 +61,7 @@ pub mod unit;
 mod verdict;
 
 pub use activations::Activations;
-pub use band::{FeltBand, FeltCorner};
+pub use band::{FeltBand, bench_digest, evidence_digest};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::{Failure, damaged};
 pub use finder::{Finder, Search};
@@ -176,9 +176,6 @@ pub struct Keep {
     /// The summary alone: records that no figure of the summary needs are dropped while the run goes on, so that memory
     /// is bounded whatever the length. Trace, frame times and temperatures are then in part.
     pub summary: bool,
-    /// Felt levels in all corners of quantities that nobody measured. Reports and views that show them need other wires
-    /// beside.
-    pub band: bool,
 }
 
 /// Readings of taxels that a run keeps.

@@ -51,8 +51,10 @@ pub struct FeltSummary {
     pub asked: Option<AskedLevel>,
     /// Level that one wire at the limits lacks for this person to feel it, dB; null where something is felt.
     pub missing_db: Option<f64>,
-    /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
+    /// Felt levels and errors over all that is not measured, by the bench's file; null where it has none that holds.
     pub band: Option<FeltBand>,
+    /// Reason for which there is no band, with the command that makes one; null where there is one.
+    pub no_band: Option<String>,
 }
 
 /// A level that a scene asks for, and the level that heat leaves: all in dB over the threshold that the loop believes.
@@ -364,6 +366,7 @@ impl FeltSummary {
             asked: None,
             missing_db: None,
             band: None,
+            no_band: None,
         }
     }
 }

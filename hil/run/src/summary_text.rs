@@ -6,7 +6,7 @@ use palpate_records::margin::{Limited, Margin};
 use palpate_records::model;
 use palpate_records::trace::Source;
 
-use crate::band::{FeltBand, FeltCorner};
+use crate::band::FeltBand;
 use crate::boards::{BoardReport, BusReport};
 use crate::summary::{
     AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels,
@@ -86,26 +86,17 @@ impl AskedLevel {
 }
 
 impl FeltBand {
-    /// Line of the corners.
+    /// Line of the band.
     fn line(&self) -> Line {
-        let [low, high] = self.level_db;
-        let error = self.error_mm.map_or(String::new(), |[low, high]| {
-            format!(", error {low:.2} to {high:.2} mm RMSE")
-        });
-        let distinct = |of: fn(&FeltCorner) -> String| {
-            let mut all: Vec<String> = Vec::new();
-            for name in self.corners.iter().map(of) {
-                if !all.contains(&name) {
-                    all.push(name);
-                }
-            }
-            all
-        };
-        let wires = distinct(|c| c.preset.to_owned()).join(" and ");
-        let gains = distinct(|c| c.gain.to_string()).join(" to ");
-        let persons = distinct(|c| c.person.clone()).len();
+        let [low, half, high] = self.level_db;
+        let [least, middle, most] = self.error_mm;
         let words = format!(
-            "{low:+.1} to {high:+.1} dB{error}: wires {wires}, gain {gains}, {persons} persons"
+            "{low:+.1} to {high:+.1} dB (5 to 95 %), {half:+.1} dB median; {:.0} % feel it; error {least:.1} to {most:.1}, {middle:.1} mm median; {} draws on {}, {:.0} effective, evidence {}",
+            100.0 * self.felt,
+            self.draws,
+            self.scene,
+            self.effective,
+            self.evidence.join(", ")
         );
         line("felt band", words)
     }
@@ -201,6 +192,8 @@ impl Summary {
         lines.push(line("felt level", self.felt.words()));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));
+        let none = self.felt.no_band.as_ref();
+        lines.extend(none.map(|why| line("felt band", format!("- ({why})"))));
         lines.push(line("felt error", self.felt_error_mm.words()));
         // Error by the other centroid of the literature.
         lines.push(line("", self.felt_error_amplitude_mm.words()));

@@ -43,7 +43,6 @@ fn setup() -> Result<Setup, Failure> {
 
 /// Everything of a run.
 const ALL: Keep = Keep {
-    band: false,
     can: true,
     i2c: true,
     readings: KeptReadings::All,

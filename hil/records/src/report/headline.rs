@@ -1,7 +1,6 @@
 //! The result at a glance: the first figures of the page.
 
-use super::BandRow;
-use super::series::span;
+use super::ReportBand;
 use super::svg::escape;
 use crate::felt::{felt_level, felt_scores};
 use crate::fixed::distance2_um;
@@ -30,7 +29,7 @@ fn tile(name: &'static str, value: String, more: String) -> Tile {
 }
 
 /// Writes the figures; those without a value in the run are left out.
-pub(super) fn tiles(page: &mut String, trace: &Trace, band: &[BandRow]) {
+pub(super) fn tiles(page: &mut String, trace: &Trace, band: Option<&ReportBand>) {
     let ledger = &trace.ledger;
     let driven = ledger.driven;
     let tiles = [
@@ -81,11 +80,14 @@ fn onsets(trace: &Trace) -> Option<Tile> {
     })
 }
 
-fn level(trace: &Trace, band: &[BandRow]) -> Option<Tile> {
+fn level(trace: &Trace, band: Option<&ReportBand>) -> Option<Tile> {
     let level = felt_level(trace)?;
     let mut more = "median inside the wires".to_owned();
-    let (low, high) = span(band.iter().flat_map(|row| row.level_db));
-    if low <= high {
+    if let Some(ReportBand {
+        level_db: [low, _, high],
+        ..
+    }) = band
+    {
         let _ = write!(more, "; band {low:+.1} to {high:+.1} dB");
     }
     let db = f64::from(level.median_mdb) * 1e-3;

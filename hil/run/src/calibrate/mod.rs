@@ -15,6 +15,7 @@ use palpate_core::physics::{ParameterError, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::Levels;
 use palpate_files::{EvidenceFile, Loaded, PriorsFile, Quantity, Setup};
+use palpate_records::trace::{PlaceUm, Trace, event};
 
 use crate::failure::Failure;
 use crate::policy::refuse_hardware;
@@ -37,7 +38,7 @@ pub struct Calibration {
     draws: Draws,
     weights: Weights,
     is_identified: bool,
-    /// Error where no place is felt: half of the largest distance between two wires, mm.
+    /// Error of a guess at the middle of the path, RMSE, mm: where no place is felt.
     unplaced_mm: f64,
 }
 
@@ -55,16 +56,13 @@ impl Calibration {
         seed: u64,
     ) -> Result<Self, Failure> {
         refuse_hardware(&setup.bench.value)?;
-        let display = plan::display(&setup)?;
+        plan::display(&setup)?;
         let bench_wire = plan::wire(&setup);
-        let places = display.wires();
-        let pairs = places
-            .iter()
-            .flat_map(|a| places.iter().map(|b| a.place.distance(b.place)));
+        let nominal = run_with(&setup, &Input::Scene, 1, Keep::default(), &mut ())?;
         Ok(Self {
             draws: Draws::new(priors, evidence, &bench_wire, seed)?,
             weights: Weights::new(evidence)?,
-            unplaced_mm: f64::from(pairs.fold(0.0, f32::max)) / 2.0,
+            unplaced_mm: unplaced_mm(&nominal.trace),
             bench_wire,
             is_identified,
             setup,
@@ -112,11 +110,7 @@ impl Calibration {
             tissue,
             is_identified: self.is_identified,
         });
-        let keep = Keep {
-            summary: true,
-            ..Keep::default()
-        };
-        let summary = run_with(&setup, &Input::Scene, 1, keep, host)?.summary;
+        let summary = run_with(&setup, &Input::Scene, 1, Keep::default(), host)?.summary;
         let level = summary.felt.level_db.map(|level| level.median);
         figures.level_db = level.unwrap_or(figures.level_db);
         let errors = [summary.felt_error_mm, summary.felt_error_amplitude_mm];
@@ -130,6 +124,23 @@ impl Calibration {
         }
         Ok(figures)
     }
+}
+
+/// Root mean square distance of the onsets' true places from their middle, mm.
+fn unplaced_mm(trace: &Trace) -> f64 {
+    let places: Vec<PlaceUm> = trace
+        .each::<event::Felt>()
+        .map(|felt| felt.target)
+        .collect();
+    let count = places.len().max(1) as f64;
+    let mean = |of: fn(&PlaceUm) -> f64| places.iter().map(of).sum::<f64>() / count;
+    let x = mean(|place| f64::from(place.x));
+    let y = mean(|place| f64::from(place.y));
+    let squares = places.iter().map(|place| {
+        let (dx, dy) = (f64::from(place.x) - x, f64::from(place.y) - y);
+        dx * dx + dy * dy
+    });
+    libm::sqrt(squares.sum::<f64>() / count) * 1e-3
 }
 
 #[cfg(test)]

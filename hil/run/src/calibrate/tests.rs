@@ -2,7 +2,7 @@
 
 use palpate_core::physics::{History, Mechanics, TissueParameters, WireParameters, WireState};
 use palpate_emulators::person::channels::Person;
-use palpate_files::{EvidenceDrive, load_evidence, load_priors};
+use palpate_files::{EvidenceDrive, load_evidence};
 
 use super::weigh::{Visit, visit};
 use super::*;

@@ -43,7 +43,7 @@ pub struct State {
     pub map: Map,
     /// Word of the cause for which the guard holds everything off; `None` where it does not.
     pub stopped: Option<&'static str>,
-    /// Least and most level of the newest onset over all corners of what is not measured, dB.
+    /// Level at 5 and 95 % of all that is not measured, dB.
     pub band_db: Option<[f64; 2]>,
     /// The guard and when it was copied; none where its shares are not wanted, or no guard is asked, as of a recording.
     guard: Option<(Guard, Instant)>,
@@ -118,7 +118,7 @@ impl<D: DisplayEnd> Look<'_, D> {
             now: self.now,
             map: *self.projector.map(),
             stopped: guard.latched().map(Cause::word),
-            band_db: self.display.newest_band_db(),
+            band_db: self.display.band_db(),
             guard: wants.readings.then(|| (guard.clone(), self.now)),
             wires: (wants.readings || wants.totals)
                 .then(|| self.display.standing(wants.totals))

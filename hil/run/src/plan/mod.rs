@@ -14,7 +14,6 @@ pub use current::{banks, converters, with_converters};
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
-pub(crate) use person::on_bench;
 pub use person::{emulated_person, person};
 pub use reaction::{Reaction, reaction};
 pub use response::Responses;

@@ -16,6 +16,7 @@ use palpate_records::trace::{Event, Header, Ledger};
 use super::shared::{Pads, Shared};
 use super::{HALF, Run, part};
 use crate::actuator_bus::ActuatorBus;
+use crate::band::band;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -78,9 +79,6 @@ impl<'a> Finger<'a> {
         };
         let header = header(setup, run.seed, &projector)?;
         recorder.felt = keep.summary.then(|| FeltPath::new(&header));
-        if keep.band {
-            display.compare(setup, &header, true)?;
-        }
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         // The frames of a stream would be timed with the wait for their readings.
         let watch = host.stopwatch().filter(|_| !run.waits);
@@ -246,7 +244,10 @@ impl<'a> Finger<'a> {
             let missing = -plan::strongest(setup, projector)?;
             summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
         }
-        summary.felt.band = display.band(summary.path_error_mm.is_some());
+        match band(setup) {
+            Ok(band) => summary.felt.band = Some(band),
+            Err(why) => summary.felt.no_band = Some(why),
+        }
         Ok(Outcome {
             readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
