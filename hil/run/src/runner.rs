@@ -53,7 +53,7 @@ pub fn run_with(
 /// where there was a pass, the report on it.
 ///
 /// # Errors
-/// As [`run_with`].
+/// The failures of [`run_with`].
 pub fn passed(setup: &Setup, seed: u64) -> Result<(Cow<'_, Setup>, Option<PassReport>), Failure> {
     let play = |own: &Setup| run_once(own, &Input::Scene, seed, Keep::default(), &mut ());
     pass::before(setup, play)

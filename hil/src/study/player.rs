@@ -3,6 +3,7 @@
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Booked, Memory, Used};
 use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
@@ -85,15 +86,8 @@ impl Player {
         let Some(mut setup) = due else {
             return Ok(None);
         };
-        let began = self.begins(now_ms);
-        (self.memory, self.until) = (self.memory(began), began);
-        setup.memory = Some(self.memory.clone());
-        let wanted = Wanted {
-            desk: self.desk.as_ref(),
-            quiet: true,
-            ..Wanted::default()
-        };
-        let (after, report) = host::passed(&setup, self.seed, wanted)?;
+        let began = self.begin(&mut setup, now_ms);
+        let (after, report) = host::passed(&setup, self.seed, self.wanted())?;
         self.is_ready = true;
         if pass::is_due(&after) {
             self.stimuli.leave_cold();
@@ -142,6 +136,23 @@ impl Player {
         Instant::from_micros(now_ms.saturating_mul(1000)).max(self.until)
     }
 
+    /// Lets a setup go on from the heat and dose of the session at a time, ms. Returns the start of what it plays.
+    fn begin(&mut self, setup: &mut Setup, now_ms: u64) -> Instant {
+        let began = self.begins(now_ms);
+        (self.memory, self.until) = (self.memory(began), began);
+        setup.memory = Some(self.memory.clone());
+        began
+    }
+
+    /// Views of whatever the session plays.
+    fn wanted(&self) -> Wanted<'_> {
+        Wanted {
+            desk: self.desk.as_ref(),
+            quiet: true,
+            ..Wanted::default()
+        }
+    }
+
     /// Bookings that a guard makes at most for a stimulus at a time of
     /// the session, ms: those from rest. `None` where there are none.
     ///
@@ -169,15 +180,14 @@ impl Player {
     /// [`Failure`] of a bench that cannot play it.
     pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
         let mut setup = self.stimuli.setup(stimulus)?;
-        let began = self.begins(now_ms);
-        (self.memory, self.until) = (self.memory(began), began);
-        setup.memory = Some(self.memory.clone());
-        let wanted = Wanted {
-            desk: self.desk.as_ref(),
-            quiet: true,
-            ..Wanted::default()
-        };
-        let outcome = host::run(&setup, &Input::Scene, self.seed, Keep::default(), wanted)?;
+        let began = self.begin(&mut setup, now_ms);
+        let outcome = host::run(
+            &setup,
+            &Input::Scene,
+            self.seed,
+            Keep::default(),
+            self.wanted(),
+        )?;
         let off = clock::now();
         let trace = &outcome.trace;
         let mut guard = build(&setup, 1, Levels::Off)?.guard().clone();

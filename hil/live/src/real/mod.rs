@@ -90,7 +90,7 @@ pub fn run(
 /// the report on it.
 ///
 /// # Errors
-/// As [`run()`].
+/// The failures of [`run()`].
 pub fn passed<'a>(
     setup: &'a Setup,
     input: &Input,

@@ -10,9 +10,9 @@ use palpate_files::Setup;
 use crate::plan;
 
 /// Share of martensite below which a pass has turned a wire, when its last pulse ends.
-pub const PASSED: f64 = 0.01;
+pub(super) const PASSED: f64 = 0.01;
 /// Share of martensite that may come back at rest on the finger: a wire with more is a cold one again.
-pub const KEPT: f64 = 0.5;
+pub(super) const KEPT: f64 = 0.5;
 /// How much colder than stated a finger may be, K.
 const COLDER_K: f64 = 4.0;
 /// The guard's corner of the least heat in a wire: share of the heat, specific heat J/(kg K), latent heat J/kg, contact
@@ -29,7 +29,7 @@ const RETURNS: &str = "at rest the wires' stress would bring most of their marte
 pub(super) struct Heated {
     /// The wire as it is stated.
     nominal: Result<Wire, ParameterError>,
-    /// The same wire on a finger that is colder.
+    /// Wire of the bench on a finger that is 4 K colder than stated.
     colder: Result<Wire, ParameterError>,
     /// The wire in the guard's corner of the least heat.
     worst: Result<Wire, ParameterError>,

@@ -10,7 +10,7 @@ mod plan;
 mod report;
 
 pub(crate) use again::Again;
-pub use heated::{PASSED, lasting};
+pub use heated::lasting;
 pub use report::{PassBurst, PassEnd, PassReport};
 
 use std::borrow::Cow;

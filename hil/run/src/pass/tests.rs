@@ -35,7 +35,7 @@ fn passed_wires_and_benches_that_forbid_it_have_none() {
 fn a_plan_passes_the_wire_that_takes_the_most_heat() {
     let planned = plan(&cold("sphere-along")).unwrap().unwrap();
     let pass = planned.pass;
-    assert!(planned.left_at_worst.unwrap() < PASSED);
+    assert!(planned.left_at_worst.unwrap() < heated::PASSED);
     // 148 ticks are what 200 us are at the slowest clock.
     assert_eq!((pass.width.get(), planned.prescale.get()), (148, 30));
     assert!(pass.bursts >= 1 && pass.apart.as_micros() >= 1_000_000);
@@ -52,9 +52,9 @@ fn a_plan_passes_the_wire_that_takes_the_most_heat() {
         }
     };
     let heated = heated::Heated::new(&cold("sphere-along"), planned.prescale);
-    assert!(heated.left_at_worst(&less(pass.bursts, 2)).unwrap() >= PASSED);
+    assert!(heated.left_at_worst(&less(pass.bursts, 2)).unwrap() >= heated::PASSED);
     if pass.bursts > 1 {
-        assert!(heated.left_at_worst(&less(pass.bursts - 1, 0)).unwrap() >= PASSED);
+        assert!(heated.left_at_worst(&less(pass.bursts - 1, 0)).unwrap() >= heated::PASSED);
     }
 }
 
