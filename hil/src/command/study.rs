@@ -190,7 +190,7 @@ fn resume(
     let (now_ms, open) = (record.now_ms(uptime), record.open());
     let played = record.replies().filter_map(|said| said.trial.as_ref());
     let played = played.flat_map(|played| &played.intervals);
-    player.remember(played.chain(&open))?;
+    player.remember(played.chain(&open).chain(record.passes()))?;
     writing.add(Line::Resumed(Resumed {
         at_ms: writing.stamp(now_ms),
         palpate: env!("CARGO_PKG_VERSION").into(),

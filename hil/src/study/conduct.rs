@@ -5,7 +5,8 @@ use std::time::Duration;
 use palpate_buses::signals::Signals;
 use palpate_run::Failure;
 use palpate_study::{
-    Known, Line, Noted, Person, Played, Playing, Reply, Said, Session, Step, Stimulus, Trial,
+    Known, Line, Noted, Passing, Person, Played, Playing, Reply, Said, Session, Step, Stimulus,
+    Trial,
 };
 use serde_json::{Value, json};
 
@@ -299,11 +300,15 @@ impl Conducting<'_> {
         Ok((came, Some(played)))
     }
 
-    /// Passes cold wires before the first trial. The participant reads of it, and the record has a note.
+    /// Passes cold wires before the first trial. The participant reads of it. The record has its bursts before they are
+    /// played, and a note afterwards.
     fn pass(&mut self) -> Result<Option<End>, Failure> {
-        if !self.player.is_pass_due()? {
+        let Some(interval) = self.player.due_pass(self.now_ms())? else {
             return Ok(None);
-        }
+        };
+        let at_ms = self.stamp();
+        self.writing
+            .add(Line::Passing(Passing { at_ms, interval }))?;
         self.show(json!({ "screen": "pass" }));
         match self.player.pass(self.now_ms()) {
             Ok(Some(told)) => self.note(format!("hot pass: {told}"))?,

@@ -69,12 +69,20 @@ impl Player {
         &self.stimuli
     }
 
-    /// Tells whether a hot pass comes before the next trial.
+    /// The hot pass that comes before the next trial at a time of the session, ms, with the bursts that it has at most.
     ///
     /// # Errors
     /// [`Failure`] of a bench that cannot play it.
-    pub fn is_pass_due(&self) -> Result<bool, Failure> {
-        Ok(!self.is_ready && self.stimuli.unpassed()?.is_some())
+    pub fn due_pass(&self, now_ms: u64) -> Result<Option<Interval>, Failure> {
+        let due = self.stimuli.unpassed()?.filter(|_| !self.is_ready);
+        let interval = |setup| {
+            Ok(Interval {
+                began_ms: self.begins(now_ms).as_micros() / 1000,
+                bursts: pass::bookings(&setup)?.iter().map(of_record).collect(),
+                ..Interval::default()
+            })
+        };
+        due.map(interval).transpose()
     }
 
     /// Passes cold wires at a time of the session, ms, once. Returns a note on it; `None` where the wires need no pass.

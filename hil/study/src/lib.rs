@@ -23,8 +23,8 @@ pub use people::{Known, Path, Person};
 pub use psychometric::Psychometric;
 pub use quest::Estimate;
 pub use record::{
-    About, Interval, Line, Noted, Played, Playing, Record, RecordError, Resumed, Said, Uptime,
-    VERSION,
+    About, Interval, Line, Noted, Passing, Played, Playing, Record, RecordError, Resumed, Said,
+    Uptime, VERSION,
 };
 pub use session::{Answer, AnswerError, Ask, Reply, Sample, Session, Step, Stimulus, Trial};
 pub use simulate::{

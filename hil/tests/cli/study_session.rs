@@ -105,6 +105,26 @@ fn what_was_played_before_a_kill_is_booked() {
 }
 
 #[test]
+fn the_heat_of_a_hot_pass_outlives_a_kill() {
+    let folder = begun("study-pass-kill");
+    let mut run = session(&folder, &[]);
+    let mut participant = page(&run, "participant");
+    let view = participant.on("begin");
+    participant.say(&json!({ "view": view, "reply": "read" }));
+    participant.on("pass");
+    kill(&mut run);
+    let lines = record(&folder);
+    let pass = &lines.last().unwrap()["passing"]["interval"];
+    let bursts = pass["bursts"].as_array().unwrap();
+    let wires: Vec<u64> = bursts.iter().map(|b| b[0].as_u64().unwrap()).collect();
+    assert!((0..8).all(|wire| wires.contains(&wire)), "{wires:?}");
+    // Nothing was answered: what the session goes on with is the pass's heat alone.
+    let run = session(&folder, &["--resume"]);
+    let dose = page(&run, "experimenter").limits()["cem43"];
+    assert!(dose > 0.0, "{dose}");
+}
+
+#[test]
 fn a_clock_that_is_set_cools_nothing() {
     let folder = begun("study-clock");
     let mut run = session(&folder, &[]);

@@ -15,6 +15,7 @@ pub use report::{PassBurst, PassEnd, PassReport};
 
 use std::borrow::Cow;
 
+use palpate_core::guard::Booked;
 use palpate_files::{Pass, Setup, WireState};
 use palpate_records::verdict::Verdict;
 
@@ -91,6 +92,19 @@ pub fn before(
     }
     after.told = Some(report.line());
     Ok((Cow::Owned(after), Some(report)))
+}
+
+/// Bursts of the pass that a run on this setup begins with: wire, and what the guard books at most, from the pass's beginning
+/// on. Empty where no pass is due, or none would last.
+///
+/// # Errors
+/// [`Failure::Input`] for a setup that fits no loop.
+pub fn bookings(setup: &Setup) -> Result<Vec<(u16, Booked)>, Failure> {
+    let planned = match is_due(setup) {
+        true => plan::plan(setup)?.ok(),
+        false => None,
+    };
+    Ok(planned.map_or_else(Vec::new, |planned| planned.bookings()))
 }
 
 /// Adds to a run's outcome what a pass before it came to: the report, or the reason why there was none.

@@ -1,7 +1,7 @@
 //! Pulses of a hot pass, found from wire and guard, and the scene that plays them.
 
 use palpate_core::contact::Levels;
-use palpate_core::guard::Guard;
+use palpate_core::guard::{Booked, Guard};
 use palpate_core::illusion::{Display, IllusionModel};
 use palpate_core::projector::{HotPass, Projector};
 use palpate_core::schedule::Stimulus;
@@ -40,6 +40,37 @@ pub(super) struct Planned {
     pub prescale: Prescale,
     /// Energy that the guard books for a burst, nJ.
     pub burst_nj: u64,
+    /// Wires of the display.
+    wires: u16,
+}
+
+impl Planned {
+    /// Every burst of the pass: wire, and what the guard books, from the beginning of its run on.
+    pub fn bookings(&self) -> Vec<(u16, Booked)> {
+        let HotPass {
+            burst,
+            bursts,
+            again,
+            apart,
+            ..
+        } = self.pass;
+        let each = |wire: u16| {
+            (0..u64::from(bursts)).map(move |index| {
+                let after_us = u64::from(wire) * apart.as_micros() + index * again.as_micros();
+                let on = PASS_AT + Duration::from_micros(after_us);
+                let off = on + burst;
+                (
+                    wire,
+                    Booked {
+                        on,
+                        off,
+                        energy_nj: self.burst_nj,
+                    },
+                )
+            })
+        };
+        (0..self.wires).flat_map(each).collect()
+    }
 }
 
 /// Plans the pass of a setup whose wires are cold, or says why a pass would not last.
@@ -65,9 +96,9 @@ pub(super) fn plan(setup: &Setup) -> Result<Result<Planned, &'static str>, Failu
         return Ok(Err(why));
     }
     let pass = choose(&heated, guard, display, &alone);
-    let wires = display.wires().len() as f64;
+    let wires = display.wires().len() as u16; // a display has at most 256 wires
     own.scene.value.length_s =
-        PASS_AT.as_micros() as f64 * 1e-6 + wires * pass.apart.as_secs_f64() + AFTER_S;
+        PASS_AT.as_micros() as f64 * 1e-6 + f64::from(wires) * pass.apart.as_secs_f64() + AFTER_S;
     own.pass = Pass::Itself(pass);
     Ok(Ok(Planned {
         setup: own,
@@ -75,6 +106,7 @@ pub(super) fn plan(setup: &Setup) -> Result<Result<Planned, &'static str>, Failu
         left_at_worst: heated.left_at_worst(&pass).ok(),
         prescale: guard.prescale(),
         burst_nj: guard.energy_nj(pass.width, pass.burst),
+        wires,
     }))
 }
 

@@ -62,6 +62,7 @@ pub(super) fn of_line(line: &Line, before_ms: u64, wires: usize) -> Result<(), S
             at_most("attempt", playing.attempt.into(), MOST)?;
             of_interval(&playing.interval, wires)
         }
+        Line::Passing(passing) => of_interval(&passing.interval, wires),
         Line::Reply(said) => said.trial.iter().try_for_each(|of| of_trial(of, wires)),
         Line::Resumed(resumed) => of_uptime(&resumed.uptime),
         Line::Session(_) | Line::Note(_) | Line::Stopped(_) => Ok(()),

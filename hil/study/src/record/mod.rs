@@ -23,6 +23,8 @@ pub enum Line {
     Session(About),
     /// An interval before it is played: it counts as played until a reply tells how far it was.
     Playing(Playing),
+    /// A hot pass before it is played: its bursts count as played, whatever became of it.
+    Passing(Passing),
     /// A reply to a step.
     Reply(Said),
     /// A note of the experimenter.
@@ -111,6 +113,15 @@ pub struct Playing {
     pub interval: Interval,
 }
 
+/// A hot pass of cold wires before it is played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Passing {
+    /// Milliseconds since the session began.
+    pub at_ms: u64,
+    /// The pass, with the bursts that it has at most. It has no stimulus.
+    pub interval: Interval,
+}
+
 /// A line of text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Noted {
@@ -175,6 +186,7 @@ impl Line {
         match self {
             Self::Session(_) => 0,
             Self::Playing(line) => line.at_ms,
+            Self::Passing(line) => line.at_ms,
             Self::Reply(line) => line.at_ms,
             Self::Resumed(line) => line.at_ms,
             Self::Note(line) | Self::Stopped(line) => line.at_ms,
@@ -408,13 +420,10 @@ impl Record {
         let of_replies = self.replies().filter_map(|said| said.trial.as_ref());
         let played = of_replies.flat_map(|played| &played.intervals);
         let played = played.map(Interval::until_ms).max().unwrap_or(0);
-        let open = self
-            .open()
-            .iter()
-            .map(Interval::until_ms)
-            .max()
-            .unwrap_or(0);
-        passed.max(self.last_ms()).max(played).max(open)
+        let open = self.open();
+        let unanswered = open.iter().chain(self.passes()).map(Interval::until_ms);
+        let unanswered = unanswered.max().unwrap_or(0);
+        passed.max(self.last_ms()).max(played).max(unanswered)
     }
 
     /// The time of its last line, ms since the session began.
@@ -427,6 +436,14 @@ impl Record {
     pub fn replies(&self) -> impl Iterator<Item = &Said> {
         self.lines.iter().filter_map(|line| match line {
             Line::Reply(said) => Some(said),
+            _ => None,
+        })
+    }
+
+    /// Hot passes in their order.
+    pub fn passes(&self) -> impl Iterator<Item = &Interval> {
+        self.lines.iter().filter_map(|line| match line {
+            Line::Passing(passing) => Some(&passing.interval),
             _ => None,
         })
     }
