@@ -11,6 +11,8 @@ mod contacts;
 mod diff;
 #[path = "cli/docs.rs"]
 mod docs;
+#[path = "cli/figures.rs"]
+mod figures;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/fingers.rs"]

@@ -105,7 +105,7 @@ impl Summary {
             return "- (nothing felt on a known path)".to_owned();
         };
         let inside = match (felt.rmse, felt.onsets) {
-            (Some(rmse), n) => format!("{rmse:.2} over the {n} inside the wires"),
+            (Some(rmse), n) => format!("{rmse:.2} over {n} inside the wires"),
             (None, _) => "no onset inside the wires".to_owned(),
         };
         format!("{:.2} mm RMSE over all {}, {inside}", all.rmse, all.onsets)

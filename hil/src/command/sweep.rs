@@ -214,7 +214,7 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
             let (scene, bench) = names.unwrap_or_default();
             writeln!(
                 out,
-                "{scene} on {bench} (emulated): {}{before}",
+                "{scene} on {bench} (emulated): {}{before}; least to most, and where",
                 runs(rows.len())
             )?;
             spread(&rows, out)?;
@@ -252,7 +252,7 @@ fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
         let range = format!("{} to {} {}", short(least.0), short(most.0), measured.unit);
         writeln!(
             out,
-            "  {:<26}{:<24}least {}, most {}",
+            "  {:<35} {:<21} {}, {}",
             measured.words,
             range.trim_end(),
             least.1.place(),

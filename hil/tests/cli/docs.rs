@@ -89,7 +89,20 @@ fn needs(command: &str) -> Option<&'static str> {
     }
 }
 
-fn pages() -> Vec<PathBuf> {
+/// What a command line says in a folder, with `hil` on its path.
+pub fn shell(command: &str, folder: &Folder) -> Said {
+    let (program, path) = (env!("CARGO_BIN_EXE_hil"), std::env::var("PATH").unwrap());
+    let bin = Path::new(program).parent().unwrap().display();
+    let mut shell = Command::new("sh");
+    shell.args(["-c", command]).current_dir(&folder.0);
+    shell
+        .env("PATH", format!("{bin}:{path}"))
+        .stdin(Stdio::null());
+    Said::from(shell.output().unwrap())
+}
+
+/// Pages that a reader finds, in a fixed order.
+pub fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut pages = vec![root.join("README.md")];
     for folder in ["docs", "docs/files", "docs/howto", "docs/start"] {
@@ -115,8 +128,6 @@ fn every_command_parses_and_every_one_that_can_runs() {
         let by_hand = palpate_fixtures::scene("by-hand").unwrap();
         folder.write("touched.toml", by_hand);
         fs::create_dir_all(folder.path("fixtures/goldens")).unwrap();
-        let (program, path) = (env!("CARGO_BIN_EXE_hil"), std::env::var("PATH").unwrap());
-        let bin = Path::new(program).parent().unwrap().display().to_string();
         for step in steps(&fs::read_to_string(&page).unwrap()) {
             let (command, line, status) = match step {
                 Step::File(name, text) => {
@@ -144,12 +155,7 @@ fn every_command_parses_and_every_one_that_can_runs() {
             if needs(&command).is_some() {
                 continue;
             }
-            let mut shell = Command::new("sh");
-            shell.args(["-c", &command]).current_dir(&folder.0);
-            shell
-                .env("PATH", format!("{bin}:{path}"))
-                .stdin(Stdio::null());
-            let said = Said::from(shell.output().unwrap());
+            let said = shell(&command, &folder);
             assert_eq!(said.status, Some(status), "{at}\n{}{}", said.out, said.err);
             ran += 1;
         }

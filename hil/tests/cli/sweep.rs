@@ -38,8 +38,9 @@ fn the_table_is_the_same_bytes_however_it_was_computed() {
         let one = sweep(&folder, &["--out", &name("one"), "--jobs", "1"]);
         assert_eq!((one.status, one.err.as_str()), (Some(0), ""), "{}", one.out);
         assert!(
-            one.out
-                .starts_with("OK\nsphere-along on emulated (emulated): 12 runs\n"),
+            one.out.starts_with(
+                "OK\nsphere-along on emulated (emulated): 12 runs; least to most, and where\n"
+            ),
             "{}",
             one.out
         );
