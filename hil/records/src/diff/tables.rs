@@ -156,7 +156,9 @@ pub(super) fn figures(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<
 
 /// The part of a limit that was used.
 fn used(figure: &Figure) -> String {
-    let part = figure.used.map_or_else(|| "-".to_owned(), short);
+    let part = figure
+        .used
+        .map_or_else(|| "-".to_owned(), |used| short(used.max(0)));
     let over = if figure.over { ", over" } else { "" };
     format!("{part} % used{over}")
 }
@@ -169,7 +171,12 @@ fn figure(x: &Figure, y: &Figure) -> Difference {
         let text = change(&format!("{was} {}", x.unit), &format!("{is} {unit}"));
         return Difference::new(Grade::Figure, true, 0, format!("{name} {text}"));
     }
-    if let (Some(before), Some(after)) = (x.used, y.used) {
+    // Skin cooler than the rest that its rows count from uses nothing of them.
+    let parts = x
+        .used
+        .zip(y.used)
+        .map(|(before, after)| (before.max(0), after.max(0)));
+    if let Some((before, after)) = parts.filter(|(before, after)| before != after) {
         let limit = y.text(y.limit);
         let (from, to) = (short(before), short(after));
         let words = format!("{name} {was} -> {is} {unit} of {limit}, {from} -> {to} % used");
