@@ -30,13 +30,13 @@ struct Schema<'a> {
     standard: &'static str,
     version: u32,
     #[serde(flatten)]
-    run: Option<Run<'a>>,
+    run: Option<Origin<'a>>,
     fields: Vec<Field>,
 }
 
 /// Origin of the table; a table of `hil contacts` has no run.
 #[derive(Serialize)]
-struct Run<'a> {
+struct Origin<'a> {
     source: crate::trace::Source,
     #[serde(skip_serializing_if = "Option::is_none")]
     banner: Option<&'static str>,
@@ -60,7 +60,7 @@ pub fn contacts_schema(header: Option<&Header>) -> String {
     let schema = Schema {
         standard: "https://datapackage.org/profiles/2.0/tableschema.json",
         version: VERSION,
-        run: header.map(|h| Run {
+        run: header.map(|h| Origin {
             source: h.source,
             banner: h.source.banner(),
             scene: &h.scene,

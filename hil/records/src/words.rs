@@ -117,7 +117,7 @@ pub fn texture(window: &event::Latent) -> String {
 }
 
 fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
-    struct Run {
+    struct Limited {
         output: DrivenOutput,
         word: &'static str,
         first: u64,
@@ -126,7 +126,7 @@ fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
         refused: u64,
         worst: (u16, u16),
     }
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<Limited> = Vec::new();
     for burst in bursts(trace) {
         let Some(reason) = burst.reason else { continue };
         let word = reason.word();
@@ -147,7 +147,7 @@ fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
                     run.worst = cut;
                 }
             }
-            None => runs.push(Run {
+            None => runs.push(Limited {
                 output: burst.output,
                 word,
                 first: burst.from_us,

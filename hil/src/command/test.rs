@@ -41,7 +41,7 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
     for (path, format) in pages(args) {
         outputs(args).check(path, format)?;
     }
-    let run = Run {
+    let run = Trials {
         args,
         color,
         told: !args.voice.quiet && !args.voice.json,
@@ -112,7 +112,7 @@ fn pages(args: &TestArgs) -> impl Iterator<Item = (&PathBuf, Format)> {
 }
 
 /// Common state of all trials of a command.
-struct Run<'a> {
+struct Trials<'a> {
     args: &'a TestArgs,
     color: Color,
     /// True if trials are told as they end.
@@ -124,7 +124,7 @@ struct Run<'a> {
     failed_before: Option<Vec<(String, String)>>,
 }
 
-impl Run<'_> {
+impl Trials<'_> {
     fn colored(&self) -> bool {
         self.color.on(&io::stdout())
     }

@@ -22,7 +22,7 @@ use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameter
 #[cfg(test)]
 use palpate_core::physics::{Curve, Law};
 use palpate_core::vector::{Scalar, Vectors};
-use step::{Glance, Run};
+use step::{Advance, Glance};
 
 /// The exact solver. A clone has a state of its own, and shares everything that follows from the wire alone.
 #[derive(Clone, Debug)]
@@ -450,7 +450,7 @@ impl Exact {
     pub fn advance(&mut self, to: Nanos) {
         if to > self.now {
             let span = to.since(self.now);
-            self.vectors.dispatch(Run(self, span));
+            self.vectors.dispatch(Advance(self, span));
             self.now = to;
         }
     }

@@ -33,12 +33,12 @@ pub struct Recordings {
 struct Runs {
     /// Number of the server: a page that comes back drops recordings of another one.
     number: u64,
-    runs: Vec<Run>,
+    runs: Vec<Recording>,
 }
 
 /// A recording that is shown.
 #[derive(Debug)]
-struct Run {
+struct Recording {
     name: String,
     file: Arc<File>,
     recorded: Arc<Recorded>,
@@ -90,7 +90,7 @@ impl Recordings {
             let recorded = Arc::new(Recorded::read(&label, BufReader::new(whole))?);
             let own = path.file_name().filter(|own| alone(own));
             let name = own.map_or(label, |own| own.to_string_lossy().into_owned());
-            Ok(Run {
+            Ok(Recording {
                 name,
                 file,
                 recorded,
@@ -120,7 +120,7 @@ impl Recordings {
     }
 }
 
-impl Run {
+impl Recording {
     /// Damage of the file, and the time until which it is shown.
     fn damaged(&self) -> String {
         let few: Vec<&str> = self
@@ -136,7 +136,7 @@ impl Run {
 }
 
 impl Runs {
-    fn hello(&self, shown: usize, run: &Run) -> Value {
+    fn hello(&self, shown: usize, run: &Recording) -> Value {
         let of = self.runs.iter().map(|run| {
             json!({ "file": run.name, "end_us": run.recorded.end_us(), "scene": run.recorded.head().scene })
         });

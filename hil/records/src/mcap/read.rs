@@ -14,7 +14,7 @@ use super::fields::{Cursor, attachment, chunk_head, metadata};
 use super::messages::{self, Angle, CanMessage, Stimulus};
 use super::told::Topic;
 use super::{PROFILE, VERSION};
-use run::Run;
+use run::Waiting;
 
 /// Content of a file, as far as it could be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -255,7 +255,7 @@ struct Contents {
     /// Frames of the newest chunk.
     frames: VecDeque<Received>,
     /// Topics of the run by channel, and messages of the newest chunk, where the run is wanted in place of its frames.
-    run: Option<Run>,
+    run: Option<Waiting>,
 }
 
 impl Contents {

@@ -27,9 +27,9 @@ enum Event {
 }
 
 /// A stretch of time to compute with the drive as it is.
-pub(super) struct Run<'a>(pub(super) &'a mut Exact, pub(super) Nanos);
+pub(super) struct Advance<'a>(pub(super) &'a mut Exact, pub(super) Nanos);
 
-impl WithSimd for Run<'_> {
+impl WithSimd for Advance<'_> {
     type Output = ();
 
     #[inline(always)]

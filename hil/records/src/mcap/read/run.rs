@@ -8,7 +8,7 @@ use super::{Contents, Counted, McapReader, Read, Unreadable};
 
 /// Topics of a run and their messages that wait.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Run {
+pub(super) struct Waiting {
     pub(super) topics: BTreeMap<u16, Topic>,
     pub(super) told: VecDeque<Told>,
 }
@@ -20,7 +20,7 @@ impl<R: io::Read> McapReader<R> {
     /// The errors of [`McapReader::new`].
     pub fn of_run(input: R) -> Result<Self, Unreadable> {
         let mut reader = Self::new(input)?;
-        reader.contents.run = Some(Run::default());
+        reader.contents.run = Some(Waiting::default());
         Ok(reader)
     }
 
@@ -46,7 +46,7 @@ impl<R: io::Read> McapReader<R> {
     /// The byte at which the next record begins, while nothing that was read of those before it waits.
     #[must_use]
     pub fn between(&self) -> Option<u64> {
-        let waits = |run: &Run| !run.told.is_empty();
+        let waits = |run: &Waiting| !run.told.is_empty();
         let waits = self.contents.run.as_ref().is_some_and(waits);
         (!waits && !self.ended).then_some(self.input.offset)
     }
@@ -61,7 +61,7 @@ impl<R: io::Read> McapReader<R> {
     /// is `offset`, between two records. The topics learnt so far stay.
     #[must_use]
     pub fn resumed<S: io::Read>(&self, input: S, offset: u64) -> McapReader<S> {
-        let run = self.contents.run.as_ref().map(|run| Run {
+        let run = self.contents.run.as_ref().map(|run| Waiting {
             topics: run.topics.clone(),
             told: VecDeque::new(),
         });
