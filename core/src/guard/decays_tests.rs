@@ -17,3 +17,15 @@ fn the_last_four_stretches_are_at_hand() {
     stretches.of(us(7));
     assert!(stretches.last.iter().all(|s| s.span != us(3)));
 }
+
+#[test]
+fn a_stretch_leaves_what_each_rate_does() {
+    for us in [1, 20_000, 250_000, 10_000_000] {
+        let stretch = Stretch::new(Duration::from_micros(us));
+        for (left, rate) in stretch.left.iter().zip(RATES) {
+            let expected = libm::exp(-rate * stretch.seconds);
+            assert!((left - expected).abs() < 1e-12, "{us}: {left} {expected}");
+        }
+    }
+    assert!(RATES.is_sorted_by(|slower, faster| *faster == 2.0 * slower));
+}

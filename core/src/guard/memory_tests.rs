@@ -177,12 +177,19 @@ proptest! {
         within in prop::collection::vec((60u64..120, 0u16..2, 60u16..148), 1..60),
         span_ms in 500u64..5000,
         later_us in 200_000u64..20_000_000,
+        starts_ms in 0u64..100_000,
     ) {
         let mut guard = guard();
         let mut at = Instant::ZERO;
         for (gap_ms, wire, width) in before {
             at += span(gap_ms);
             drive(&mut guard, at, wire, width);
+        }
+        if let Some(starts_ms) = starts_ms.checked_sub(50_000) {
+            // The guard goes on from an earlier run.
+            let memory = guard.memory(at + span(50));
+            at = ms(starts_ms);
+            guard = from(&memory, at);
         }
         let end = at + span(span_ms);
         let reserve = guard.reserve(at, span(span_ms));
@@ -264,6 +271,34 @@ fn heat_and_dose_of_earlier_runs_count() {
 }
 
 #[test]
+fn power_of_an_earlier_run_counts() {
+    let mut first = guard();
+    for n in 0..20 {
+        drive(&mut first, ms(30 * n), n as u16 % 2, 140);
+    }
+    let used = first.used(ms(600));
+    let next = from(&first.memory(ms(600)), Instant::ZERO);
+    assert_eq!(heat(&next.used(Instant::ZERO)), heat(&used));
+    assert!(used.wire_power > 0.1 && used.fingertip_power > 0.02);
+}
+
+#[test]
+fn nothing_cools_before_its_booking_is_over() {
+    let (first, end) = warm(200);
+    let mut memory = first.memory(end);
+    let skin = |guard: &Guard, at: Instant| heat(&guard.used(at))[3];
+    let (at, hot) = (ms(70_000), skin(&first, memory.wires[0].at));
+    memory.wires[0].at += span(100_000);
+    for ahead in [0, 1, 40, 10_000, 60_000].map(span) {
+        memory.wires[0].now = memory.wires[0].at - ahead;
+        let next = from(&memory, at);
+        let over = at + ahead;
+        assert_eq!([at, over].map(|time| skin(&next, time)), [hot; 2]);
+        assert!(skin(&next, over + span(1000)) < hot);
+    }
+}
+
+#[test]
 fn a_memory_of_other_wires_keeps_to_those_that_are_there() {
     let (first, end) = warm(50);
     let memory = first.memory(end);
@@ -320,9 +355,10 @@ fn a_warm_face_is_remembered() {
     let mut next = from(&memory, Instant::ZERO);
     let used = next.used(Instant::ZERO);
     assert!(used.skin_peak > cold.skin_peak + 0.2, "{used:?} {cold:?}");
-    // It counts for as long as in one run.
     let room =
         |guard: &Guard, at: Instant| guard.budget(0, at, at + span(35)).unwrap().energy_nj[1].1;
+    // It leaves a burst no more than before, and counts for as long as in one run.
+    assert_eq!(room(&next, Instant::ZERO), room(&first, end));
     next.warm(ms(13_000), 33.0, 33.0);
     let warm = room(&next, ms(13_500));
     next.warm(ms(15_000), 33.0, 33.0);
@@ -361,6 +397,20 @@ fn a_reserve_costs_what_a_moment_at_the_limit_does() {
     drive(&mut driven, ms(100), 0, 60);
     assert_eq!(driven.memory(ms(200)).wires[0].most_c, None);
     assert!(driven.memory(ms(200)).wires[1].most_c.is_some());
+}
+
+#[test]
+fn a_reserve_has_all_of_its_span_at_the_peak() {
+    let later = from(&guard().memory(ms(3000)), ms(7000));
+    let [fresh, later] = [(guard(), ms(500)), (later, ms(8000))].map(|(guard, at)| {
+        let reserve = guard.reserve(at, span(4000));
+        from(&reserve, Instant::ZERO).used(Instant::ZERO)
+    });
+    // Four seconds of the ten at 10 K less latent heat, of the 8 K of the mean; up to a bin more at either end.
+    let share = |seconds: f64| seconds * 9.8 / 10.0 / 7.9;
+    assert!((share(4.0)..share(4.6)).contains(&fresh.skin_mean));
+    let mut pairs = heat(&fresh).into_iter().zip(heat(&later));
+    assert!(pairs.all(|(a, b)| (a - b).abs() < ROUNDING));
 }
 
 #[test]

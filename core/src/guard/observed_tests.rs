@@ -63,6 +63,15 @@ fn what_is_asked_stays_and_the_reason_is_noted() {
 }
 
 #[test]
+fn an_observed_update_is_for_the_board_of_its_stimuli() {
+    let asked = [stimulus(5, 100, 0, 35_000)];
+    let update = guard().observe(Instant::ZERO, Board(1), &asked, |_| {});
+    let update = update.unwrap();
+    assert_eq!(update.board(), Board(1));
+    assert_eq!(update.channels()[1], Some(Setting { on: 256, off: 356 }));
+}
+
+#[test]
 fn a_stimulus_that_ends_as_it_begins_is_not_driven_and_takes_nothing() {
     let mut guard = guard();
     let (update, entries) = observe(&mut guard, &[stimulus(1, 400, 0, 0)]);

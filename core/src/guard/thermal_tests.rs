@@ -320,10 +320,11 @@ fn the_end_of_time_is_no_trap() {
 /// (tau = depth squared over diffusivity: 0.1 s at 0.1 mm, seconds at 0.4 mm).
 #[test]
 fn a_joules_warmth_never_rises_and_hardly_falls_at_first() {
-    for (row, early_s) in [(SHALLOW, 0.1), (DEEP, 1.0)] {
+    let wires = table::ROWS.iter().flatten();
+    for (row, early_s) in wires.flat_map(|[shallow, deep]| [(shallow, 0.1), (deep, 1.0)]) {
         let warmth = |seconds: f64| {
             let left = RATES.map(|rate| libm::exp(-rate * seconds));
-            dot(&row, &left)
+            dot(row, &left)
         };
         let (start, early) = (warmth(0.0), warmth(early_s));
         assert!(early < start && start < 1.2 * early, "{start} {early}");
