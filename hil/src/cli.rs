@@ -343,7 +343,7 @@ pub struct RunArgs {
         allow_hyphen_values = true
     )]
     pub gain: Option<Gain>,
-    /// Where the recording's clock jumps, join both sides without the gap.
+    /// Join both sides of a jump of the recording's clock, without the gap.
     #[arg(long, requires = "replay")]
     pub split_jumps: bool,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of

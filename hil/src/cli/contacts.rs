@@ -77,7 +77,7 @@ pub struct ContactsArgs {
     /// Counts per unit, and counts at zero, for a recording in another unit than counts (`100:32768`).
     #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
     pub gain: Option<Gain>,
-    /// Where the recording's clock jumps, join both sides without the gap.
+    /// Join both sides of a jump of the recording's clock, without the gap.
     #[arg(long)]
     pub split_jumps: bool,
     /// Seed of the k-means++ draws.
