@@ -307,8 +307,8 @@ pub struct RunArgs {
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
-    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: the recording itself where it is
-    /// one, or its name with the ending .toml).
+    /// Recipe that tells how to read the recording, such as `hil import` proposes (default: the recording itself if it is
+    /// a recipe, else its name with the ending .toml).
     #[arg(long, value_name = "FILE", requires = "replay", conflicts_with_all = ["columns", "gain"])]
     pub recipe: Option<PathBuf>,
     /// Readings of the whole skin that another machine sends over TCP, a line each, in place of the scene's touches,
@@ -322,7 +322,8 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column of times, and its unit: s, ms, us, ns or date (default: a column whose name is that of times).
+    /// Column of the rows' times, and its unit: s, ms, us, ns or date (default: a column whose name says that it holds
+    /// times).
     #[arg(
         long,
         value_name = "COLUMN[:UNIT]",
@@ -330,11 +331,11 @@ pub struct RunArgs {
         conflicts_with = "rate"
     )]
     pub time: Option<TimeColumn>,
-    /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
-    /// on, or the only ones of that number).
+    /// Read the columns whose names begin with PREFIX, in the order of the numbers in their names (default: `txl1_x` and so
+    /// on, or the only columns whose count fits).
     #[arg(long, value_name = "PREFIX", requires = "replay")]
     pub columns: Option<String>,
-    /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
+    /// Counts per unit, and counts at zero, for a recording in another unit than counts (`100:32768`).
     #[arg(
         long,
         value_name = "COUNTS[:OFFSET]",
@@ -342,7 +343,7 @@ pub struct RunArgs {
         allow_hyphen_values = true
     )]
     pub gain: Option<Gain>,
-    /// Take jumps of the clock out: play what follows one right after what came before it.
+    /// Join both sides of a jump of the recording's clock, without the gap.
     #[arg(long, requires = "replay")]
     pub split_jumps: bool,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
@@ -352,7 +353,7 @@ pub struct RunArgs {
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Amount that the command says.

@@ -8,8 +8,9 @@ use palpate_records::verdict::{COLUMNS, Verdict};
 use crate::summary::Summary;
 
 impl Summary {
-    /// Eight lines of 80 columns for a person, or all figures where `long`; then the files that were `written`, and the
-    /// verdict. Reasons beside the verdict's own have lines of their own. A terminal gets colours.
+    /// Writes eight lines of 80 columns, or all figures if `long`, then the `written` files and the verdict.
+    ///
+    /// Each further reason has its own line. `colored` adds a terminal's colours.
     ///
     /// # Errors
     /// Errors of the stream.
@@ -61,7 +62,7 @@ impl Summary {
         ]
     }
 
-    /// The path error, and the pitch to compare it with.
+    /// Path error, with the pitch of the taxels as a scale.
     fn path_words(&self) -> String {
         let error = match &self.path_error_mm {
             Some(e) => format!("{:.2} mm RMSE, {:.2} at most", e.rmse, e.max),
@@ -78,7 +79,7 @@ impl Summary {
         format!("{error}{pitch}{off}")
     }
 
-    /// Share of onsets that were felt, their level, and its spread over quantities that nobody measured.
+    /// Share of onsets that were felt, their level, and its spread over the unmeasured quantities.
     fn felt_words(&self) -> String {
         let meant = self.onsets.meant;
         let Some(percent) = self.onsets.felt_percent() else {
@@ -140,7 +141,7 @@ impl Summary {
     }
 }
 
-/// Drops the middle of a line that is wider than a terminal.
+/// A line of at most 80 columns; a longer one loses its middle.
 fn fitted(line: &str) -> String {
     let count = line.chars().count();
     if count <= COLUMNS {

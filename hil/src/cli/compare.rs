@@ -75,7 +75,7 @@ pub struct ReviewArgs {
     /// Write all waiting goldens as one page, without questions.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long, requires = "html")]
     pub force: bool,
 }
@@ -136,7 +136,7 @@ pub struct TestArgs {
     /// Write the results as JUnit XML, measurements as properties.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Write the results as one page.

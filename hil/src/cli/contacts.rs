@@ -9,12 +9,12 @@ use palpate_files::{Gain, TimeColumn};
 
 use super::{Threshold, positive, rate, threshold, whole, within};
 
-/// What to do with rows that repeat the one before.
+/// Handling of rows that repeat the row before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StaleArg {
-    /// Compress them like any other.
+    /// Compress repeated rows like any other row.
     Keep,
-    /// Leave them out.
+    /// Leave repeated rows out.
     Skip,
 }
 
@@ -26,8 +26,8 @@ pub struct ContactsArgs {
     /// Sensor layout: a built-in name or a file (default: that of the recipe).
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: Option<String>,
-    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: FILE itself where it is one, or
-    /// FILE with the ending .toml).
+    /// Recipe that tells how to read the recording, such as `hil import` proposes (default: FILE itself if it is a recipe,
+    /// else FILE with the ending .toml).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["columns", "gain"])]
     pub recipe: Option<PathBuf>,
     /// Largest number of contacts K_C per module.
@@ -43,14 +43,14 @@ pub struct ContactsArgs {
     /// after the reference) or raw counts.
     #[arg(long, default_value = "per-taxel", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
-    /// Let the reference follow taxels not in contact, with this time constant (default: 5 with per-taxel thresholds; with
-    /// others it stays as the first rows have it).
+    /// Let the reference follow taxels that are not in contact, with this time constant (default: 5 with per-taxel
+    /// thresholds; with other thresholds the reference stays fixed).
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub drift_s: Option<f64>,
-    /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
+    /// Leave out taxels whose first row is more than K standard deviations from their axis's mean (default: none).
     #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
     pub faulty_deviations: Option<f64>,
-    /// What K_C and K_I count for: each module, or the whole skin.
+    /// Apply K_C and K_I to each module, or to the whole skin.
     #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
     pub scope: Scope,
     /// Exponent p of the weights ||s||^p.
@@ -66,30 +66,30 @@ pub struct ContactsArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
-    /// column whose name says that it holds times).
+    /// Column of the rows' times, and its unit: s, ms, us, ns or date (default: a column whose name says that it holds
+    /// times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
-    /// The columns to read, by what their names begin with, in the order of the numbers in them (default: `txl1_x` and so
-    /// on, or the only ones of that number).
+    /// Read the columns whose names begin with PREFIX, in the order of the numbers in their names (default: `txl1_x` and so
+    /// on, or the only columns whose count fits).
     #[arg(long, value_name = "PREFIX")]
     pub columns: Option<String>,
-    /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
+    /// Counts per unit, and counts at zero, for a recording in another unit than counts (`100:32768`).
     #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
     pub gain: Option<Gain>,
-    /// Where the clock jumps, play what follows right after what came before.
+    /// Join both sides of a jump of the recording's clock, without the gap.
     #[arg(long)]
     pub split_jumps: bool,
     /// Seed of the k-means++ draws.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// What to do with rows that repeat the one before.
+    /// Handling of rows that repeat the row before.
     #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
     pub replay_stale: StaleArg,
     /// Write contacts.csv into this folder in place of standard output.
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Print a JSON array of objects; the keys are the CSV's columns.

@@ -86,7 +86,7 @@ pub struct DesignArgs {
     /// Write a page with the plot and the points that no other beats.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Amount that the command says.

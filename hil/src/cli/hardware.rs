@@ -19,7 +19,7 @@ pub struct RecordArgs {
     /// Length of the recording in seconds (default: until Ctrl-C).
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub seconds: Option<f64>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Amount that the command says.

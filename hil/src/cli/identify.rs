@@ -44,7 +44,7 @@ pub struct IdentifyArgs {
     /// Write what was found as evidence for `hil calibrate` (TOML).
     #[arg(short = 'o', long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Overwrite a file that is no earlier output of hil.
+    /// Overwrite an existing file even if hil did not write it.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Amount that the command says.

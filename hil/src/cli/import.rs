@@ -18,7 +18,7 @@ pub struct ImportArgs {
     /// Rows per second of a recording without times (default: frequency_hz of meta_data.csv beside it, else 100).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// The column that says when each row came, and what it counts: s, ms, us, ns or date (default: a
+    /// Column of the rows' times, and its unit: s, ms, us, ns or date (default: a
     /// column whose name says that it holds times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,

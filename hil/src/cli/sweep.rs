@@ -63,7 +63,7 @@ pub struct SweepArgs {
     /// Runs at a time (default: as many as there are cores).
     #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
     pub jobs: Option<usize>,
-    /// Overwrite files that are no earlier output of hil, and rows of another sweep.
+    /// Overwrite files that hil did not write, and rows of another sweep.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Amount that the command says.
@@ -87,7 +87,7 @@ pub struct CompareArgs {
     /// List every value that differs, beyond the figures that have a name.
     #[arg(long)]
     pub long: bool,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long, requires = "html")]
     pub force: bool,
     /// Amount that the command says.

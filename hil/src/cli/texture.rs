@@ -46,7 +46,7 @@ pub struct StrokesArgs {
     /// Folder to write to.
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Surfaces that are stroked.
@@ -93,7 +93,7 @@ pub struct MapArgs {
     /// Draw the map into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
 }
@@ -133,7 +133,7 @@ pub struct MaterialsArgs {
     /// Seed of their properties.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// Overwrite a file that is no earlier output of hil.
+    /// Overwrite an existing file even if hil did not write it.
     #[arg(short = 'f', long)]
     pub force: bool,
 }
@@ -178,7 +178,7 @@ pub struct PanelArgs {
     /// Draw the ratings into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
     /// Print JSON in place of a table.
@@ -226,7 +226,7 @@ pub struct ExportArgs {
     /// File to write (.onnx).
     #[arg(short = 'o', long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Overwrite files that are no earlier output of hil.
+    /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
 }

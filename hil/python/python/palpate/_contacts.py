@@ -40,14 +40,14 @@ def contacts(
 ) -> Table:
     """Finds the contacts of every frame: (4.1) to (4.10), as ``hil contacts`` does.
 
-    The array is read piece by piece, so ``numpy.load(.., mmap_mode="r")`` may be longer than the memory. What is held
-    grows with the contacts that are found.
+    The function reads the array piece by piece, so ``numpy.load(.., mmap_mode="r")`` may be larger than the memory.
+    Memory grows only with the number of contacts found.
 
     Args:
         counts: Raw counts of the whole skin, shape (rows, taxels, axes) or (rows, taxels * axes).
         layout: The skin, a name or a file.
         rate_hz: Rows per second.
-        time_us: When each row came, microseconds, in place of ``rate_hz``.
+        time_us: Time of each row, microseconds, in place of ``rate_hz``.
         kc: Largest number of contacts per module.
         ki: Intensity levels, found over the whole recording.
         reference_frames: Rows without contact at the start that make the reference.
@@ -56,11 +56,12 @@ def contacts(
         weight_exponent: Exponent p of the weights ``||s||^p``, 0 to 16.
         norm: Norm of the weights.
         axes: Axes to use: all three, or the normal one.
-        scope: What ``kc`` and ``ki`` count for.
-        drift_s: Time constant with which the reference follows taxels not in contact, s. Default: 5 with
-            per-taxel thresholds; with others it stays as the first rows have it.
-        faulty_deviations: Leave out taxels so many deviations from their axis's mean in the first row.
-        skip_repeats: Leave out rows that repeat the one before.
+        scope: Whether ``kc`` and ``ki`` apply to each module or to the whole skin.
+        drift_s: Time constant with which the reference follows taxels that are not in contact, s. Default: 5 with
+            per-taxel thresholds; with other thresholds the reference stays fixed.
+        faulty_deviations: Leave out taxels whose first row is more than so many standard deviations from their axis's
+            mean.
+        skip_repeats: Leave out rows that repeat the row before.
         seed: Seed of the k-means++ draws.
 
     Returns:
@@ -125,7 +126,7 @@ def contacts(
 
 
 def _ahead(make: Callable[[int], tuple[bytes, bytes]], begins: range) -> Iterator[tuple[bytes, bytes]]:
-    """Every piece, made one ahead: a disk is read while the compiled module computes, which needs no interpreter."""
+    """Pieces of the array, read one ahead: the disk reads while the compiled module computes."""
     if len(begins) < 2:
         yield from map(make, begins)
         return

@@ -1,17 +1,17 @@
-"""Why something of Palpate's could not be done."""
+"""Errors that Palpate raises."""
 
 from __future__ import annotations
 
 
 class Error(Exception):
-    """What every error of Palpate's is.
+    """Base class of every error of Palpate.
 
-    Its text is complete. The attributes say the same in parts; each is None where it does not apply.
+    The text is complete. The attributes hold its parts; a part that does not apply is None.
 
     Attributes:
-        file: The file that cannot be used or written, as its user named it; of a value that a call set, the argument.
-        line: Its line, counted from one.
-        key: The full key in it (``touches[0].force_n.mean``), or the column.
+        file: The file that cannot be used or written, as the caller named it; for a value set in a call, the argument.
+        line: Line in the file, counted from one.
+        key: Full key in the file (``touches[0].force_n.mean``), or the column.
         expected: What would have been right.
         found: What was there instead.
         hint: What to do.
@@ -69,7 +69,7 @@ class DeviceError(Error, RuntimeError):
 
 
 class GuardError(Error, RuntimeError):
-    """The guard stopped what was to be driven."""
+    """The guard stopped the drive."""
 
 
 class CheckError(Error, RuntimeError):

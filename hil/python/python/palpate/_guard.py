@@ -1,4 +1,4 @@
-"""The guard, asked."""
+"""The guard's answer to a schedule, without a run."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ._table import Table, table
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the guard leaves of a schedule.
+    """A schedule as the guard would limit it.
 
     Attributes:
-        stimuli: A row per stimulus, as ``Run.stimuli``: width is what is applied, reason why it is not what was
-            requested.
+        stimuli: A row per stimulus, as ``Run.stimuli``: ``width`` is the applied width, ``reason`` tells why it
+            differs from the requested one.
         peak_c: Hottest skin 0.1 mm deep that the guard predicts for what it applies, degrees C.
-        mean_c: The same as a mean over 10 s.
-        deep_c: Hottest skin 0.4 mm deep.
+        mean_c: Hottest mean over 10 s of the skin 0.1 mm deep, degrees C.
+        deep_c: Hottest skin 0.4 mm deep, degrees C.
         omega: Henriques' damage integral.
         cem43_min: Cumulative equivalent minutes at 43 degrees C.
     """
@@ -45,16 +45,15 @@ def guard(
     bench: Name | None = None,
     set: Mapping[str, object] | None = None,
 ) -> Verdict:
-    """Asks the guard what it would leave of stimuli. Nothing is driven.
+    """Returns stimuli as the guard would limit them. Drives nothing.
 
-    Stimuli of one time come together, as an onset's. A wire that is still on when another stimulus of its board begins
-    goes off.
+    Stimuli of equal time form one onset. When a stimulus begins, every wire of its board that is still on goes off.
 
     Args:
-        time_us: When each begins, microseconds that do not fall.
-        wire: Its wire, in the display's order, zero-based.
-        width: Width of its pulses, ticks (4096 are a period of the PWM).
-        length_us: How long it lasts, microseconds.
+        time_us: Start of each stimulus, microseconds, in ascending order (equal times are allowed).
+        wire: Wire of each stimulus, in the display's order, zero-based.
+        width: Pulse width of each stimulus, ticks (a PWM period has 4096).
+        length_us: Duration of each stimulus, microseconds.
         bench: The bench with its limits. Default: ``emulated``.
         set: Values in place of the files' own.
     """

@@ -20,9 +20,9 @@ class Recording:
     """Recorded taxels of one module.
 
     Attributes:
-        time_us: When each row came, microseconds, shape (rows,).
+        time_us: Time of each row, microseconds, shape (rows,).
         counts: Raw counts, shape (rows, taxels, axes).
-        notes: What is to be said of the file, such as that it was cut short.
+        notes: Remarks on the file, for example that it is truncated.
     """
 
     time_us: npt.NDArray[np.uint64]
@@ -33,18 +33,18 @@ class Recording:
 def load(
     path: Name | Sequence[Name], layout: Name | None = None, *, rate_hz: float | None = None
 ) -> Recording | list[Recording] | Table:
-    """Reads a file by what is in it.
+    """Reads a file, and finds its format from its content.
 
     Args:
         path: Taxels (CSV or .npy; with a layout), frames of buses (candump log or MCAP), a schedule (JSON Lines), or
-            contacts (CSV). Of a skin with several modules a list of files, one per module.
+            contacts (CSV). For a skin with several modules, a list of files, one per module.
         layout: The skin of taxels, a name or a file.
-        rate_hz: Rows per second of taxels, where nothing says when they came.
+        rate_hz: Rows per second of taxels without times.
 
     Returns:
-        Of taxels a :class:`Recording`, of several files a list of them. Of buses a table time_us, bus, id, data
-        (hexadecimal); the readings in it are ``palpate.run(replay=path, layout=..).taxels``. Of a schedule a table as
-        ``Run.stimuli``, of contacts one as ``Run.contacts``, with the display where there are several.
+        Taxels give a :class:`Recording`, several files a list of them. Buses give a table time_us, bus, id, data
+        (hexadecimal); ``palpate.run(replay=path, layout=..).taxels`` has their readings. A schedule gives a table like
+        ``Run.stimuli``, contacts one like ``Run.contacts``, with a column for the display if there are several.
     """
     several = not isinstance(path, str | os.PathLike)
     paths = [os.fspath(one) for one in path] if not isinstance(path, str | os.PathLike) else [os.fspath(path)]

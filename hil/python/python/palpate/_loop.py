@@ -1,4 +1,4 @@
-"""The loop, held open."""
+"""The loop, stepped by the caller."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._table import Table, table
 
 
 class Step:
-    """What happened since the step before. Its tables are those of :class:`Run`, made when they are looked at."""
+    """Events since the previous step, in tables like those of :class:`Run`. Each table is made on first access."""
 
     __slots__ = ("_happened",)
 
@@ -30,57 +30,57 @@ class Step:
 
     @property
     def dropped(self) -> int:
-        """Events that were dropped because they were not taken in time."""
+        """Number of events that the loop dropped because nobody took them in time."""
         return self._happened.dropped
 
     @property
     def contacts(self) -> Table:
-        """As :attr:`Run.contacts`."""
+        """Contacts, in the columns of :attr:`Run.contacts`."""
         return table(self._happened.table("contacts"))
 
     @property
     def stimuli(self) -> Table:
-        """As :attr:`Run.stimuli`."""
+        """Stimuli, in the columns of :attr:`Run.stimuli`."""
         return table(self._happened.table("stimuli"))
 
     @property
     def felt(self) -> Table:
-        """As :attr:`Run.felt`: of an onset, once the one after it begins."""
+        """Felt onsets, in the columns of :attr:`Run.felt`. An onset's row comes once the next onset begins."""
         return table(self._happened.table("felt"))
 
     @property
     def edges(self) -> Table:
-        """As :attr:`Run.edges`."""
+        """Edges of outputs, in the columns of :attr:`Run.edges`."""
         return table(self._happened.table("edges"))
 
     @property
     def frames(self) -> Table:
-        """As :attr:`Run.frames`."""
+        """Frames, in the columns of :attr:`Run.frames`."""
         return table(self._happened.table("frames"))
 
     @property
     def events(self) -> Table:
-        """As :attr:`Run.events`."""
+        """Events, in the columns of :attr:`Run.events`."""
         return table(self._happened.table("notes"))
 
 
 class Loop:
     """The whole loop in virtual time: from readings, or touches, to what a person feels.
 
-    Time moves with :meth:`push` and :meth:`advance` alone, as fast as the processor computes. A loop may go from
-    thread to thread, and one thread at a time may be inside.
+    Only :meth:`push` and :meth:`advance` move time, as fast as the processor computes. Several threads may share a
+    loop, but only one of them may call it at a time.
 
     Args:
         layout: The skin, a name or a file. Default: the scene's.
         bench: The emulated bench whose display is driven. Default: what the scene wants, or ``emulated``.
-        scene: Where the other settings come from; its touches do not come. Default: what ``hil run --replay``
-            takes, with a contact threshold from every taxel's own noise.
+        scene: The scene that gives the other settings; the loop ignores its touches. Default: the settings of
+            ``hil run --replay``, with a contact threshold from every taxel's own noise.
         set: Values in place of the files' own, as for :func:`run`.
         seed: Seed of all randomness.
-        skin: ``"pushed"``: readings come by :meth:`push`. ``"emulated"``: boards are emulated, and :meth:`touch` says
-            what presses on their skin.
-        illusion: ``"scene"``: the scene's. ``"own"``: :meth:`activate` says what the wires get for whatever touches an
-            emulated skin; the scene's model must be one that gives activations, such as ``balanced``.
+        skin: ``"pushed"``: the caller gives readings by :meth:`push`. ``"emulated"``: the loop emulates the boards, and
+            the caller presses on their skin by :meth:`touch`.
+        illusion: ``"scene"``: the scene's illusion. ``"own"``: the caller sets the wires' activations by
+            :meth:`activate`. This needs an emulated skin and a model that gives activations, such as ``balanced``.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Loop:
 
     @property
     def shapes(self) -> list[tuple[int, int]]:
-        """Of every module (taxels, axes): the shape that :meth:`push` takes."""
+        """Shape (taxels, axes) of every module's counts, as :meth:`push` takes them."""
         return list(self._shapes)
 
     @property
@@ -123,28 +123,29 @@ class Loop:
 
     @property
     def taxels(self) -> Table:
-        """Where the taxels lie on their modules: module, x_mm, y_mm. Readings come in this order."""
+        """Places of the taxels on their modules, in the order of readings: module, x_mm, y_mm."""
         places = self._inner.taxels()
         kind = [("module", "<u2"), ("x_mm", "<f8"), ("y_mm", "<f8")]
         return np.array(places, dtype=kind).view(Table)
 
     @property
     def wires(self) -> Table:
-        """Where the wires lie on the display: x_mm, y_mm."""
+        """Places of the wires on the display: x_mm, y_mm."""
         return np.array(self._inner.wires(), dtype=[("x_mm", "<f8"), ("y_mm", "<f8")]).view(Table)
 
     @property
     def soa_us(self) -> int:
-        """From one onset to the next, microseconds. The first is at 0."""
+        """Time from one onset to the next, microseconds. The first onset is at 0."""
         return self._inner.soa_us()
 
     def push(self, time_us: int, counts: npt.ArrayLike, *, module: int = 0) -> Step:
-        """Hands over one module's scan. Virtual time goes on until then, and what the scan makes due is done.
+        """Hands over one module's scan. Advances virtual time to it, and performs everything that is due by then.
 
-        The first scans make the reference (``reference_frames`` of the scene, 50): nothing touches meanwhile.
+        The first scans make the reference (``reference_frames`` of the scene, 50): let nothing touch the skin
+        meanwhile.
 
         Args:
-            time_us: When the scan was whole, microseconds; more than that of the module's scan before.
+            time_us: Time at which the scan was complete, microseconds; later than the module's previous scan.
             counts: Raw counts, shape (taxels, axes) or (taxels * axes,).
             module: The module, zero-based.
         """
@@ -159,20 +160,20 @@ class Loop:
         return Step(self._inner.push(module, _time(time_us, "time_us"), found.tobytes()))
 
     def advance(self, until_us: int) -> Step:
-        """Lets virtual time go on until ``until_us``, microseconds."""
+        """Advances virtual time to ``until_us``, microseconds."""
         return Step(self._inner.advance(_time(until_us, "until_us")))
 
     def rezero(self, *, forced: bool = False) -> Step:
-        """Takes the reference of the skin anew, with everything off first; nothing may touch it meanwhile.
+        """Switches everything off and measures the skin's reference again. Let nothing touch the skin meanwhile.
 
-        Refused while anything is in contact, unless ``forced``. A note in the step's events says what became of it.
+        The loop refuses this during a contact, unless ``forced``. A note in the step's events states the result.
         """
         return Step(self._inner.rezero(forced))
 
     def hot_pass(self) -> Step:
-        """Heats every wire once, in turn, at the next onsets without a contact: the display was put on anew.
+        """Heats every wire once, in turn, at the next onsets without a contact. Call it after the display was put on.
 
-        Each is felt as a tap. Notes in the events of this step and of later ones say what became of it.
+        The person feels each as a tap. Notes in the events of this and later steps state the result.
         """
         return Step(self._inner.hot_pass())
 
@@ -189,7 +190,7 @@ class Loop:
         Args:
             places: Places on the module, mm, shape (touches, 2), or (2,) for one.
             forces: Normal forces, N, shape (touches,), or a number for all.
-            diameter_mm: How wide what presses is, mm, shape (touches,), or a number for all.
+            diameter_mm: Diameters of the pressing objects, mm, shape (touches,), or a number for all.
             module: The module, zero-based.
         """
         at = np.asarray(places, dtype=np.float64)
@@ -216,18 +217,18 @@ class Loop:
 
     @property
     def most_pulses(self) -> int:
-        """The most pulses of a wire at an onset, for :meth:`activate`."""
+        """Largest number of pulses per wire and onset that :meth:`activate` takes."""
         return self._inner.most_pulses()
 
     def activate(self, values: npt.ArrayLike, pulses: npt.ArrayLike | None = None) -> None:
-        """Activates the wires like this at every onset from now on at which something touches.
+        """Sets the wires' activations for every later onset with a contact.
 
-        Drive, calibration and guard follow, as after an illusion.
+        Drive, calibration and guard act on them as on an illusion's activations.
 
         Args:
             values: Activations, 0 to 1, shape (wires,): parts of full drive, times the weight of the contact's intensity
                 unless ``illusion.intensity`` is false.
-            pulses: How many pulses each wire's burst has, whole numbers from 1 to :attr:`most_pulses`, shape (wires,).
+            pulses: Number of pulses in each wire's burst, whole numbers from 1 to :attr:`most_pulses`, shape (wires,).
                 Default: as many as fit in ``illusion.tau_d_ms``.
         """
         each = np.asarray(values, dtype=np.float64)
@@ -244,13 +245,13 @@ class Loop:
         return each
 
     def temperatures(self) -> Table:
-        """Of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""
+        """Temperatures of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""
         now = self._inner.temperatures()
         made = np.array(now, dtype=[("wire_c", "<f8"), ("skin_c", "<f8")])
         return made.view(Table)
 
     def close(self) -> None:
-        """Lets everything go. Every later call is an error."""
+        """Frees the loop. Every later call is an error."""
         self._inner.close()
 
     def __enter__(self) -> Loop:

@@ -56,11 +56,11 @@ class _Tables:
 
     @cached_property
     def stimuli(self) -> Table:
-        """What the wires were told.
+        """Commands to the wires.
 
         time_us, wire (in the display's order), board, channel, on and off (ticks), width (off - on, applied),
-        requested (width, ticks), pulses, until_us, requested_until_us, reason (why applied is not requested; empty
-        where it is).
+        requested (width, ticks), pulses, until_us, requested_until_us, reason (why the applied width differs from the
+        requested one; empty if it does not).
         """
         return self._table("stimuli")
 
@@ -71,7 +71,7 @@ class _Tables:
 
     @cached_property
     def felt(self) -> Table:
-        """What a person meets of every onset.
+        """Place and strength of every onset, as the emulated person feels it.
 
         time_us, target_x_mm and target_y_mm (the contact on the display), inside (of its hull), felt (level not below
         0 dB), x_mm and y_mm (centroid by energy; NaN where no wire moved), amplitude_x_mm and amplitude_y_mm,
@@ -83,27 +83,27 @@ class _Tables:
 
     @cached_property
     def temperatures(self) -> Table:
-        """Of each wire at every onset: time_us, wire, wire_c, skin_c (0.1 mm deep under it)."""
+        """Temperatures of each wire at every onset: time_us, wire, wire_c, skin_c (0.1 mm deep under it)."""
         return self._table("temperatures")
 
     @cached_property
     def warmth(self) -> Table:
-        """The hottest over time: time_us, wire_c, skin_c (0.1 mm deep), deep_c (0.4 mm), mean_c (skin_c over 10 s)."""
+        """Hottest places over time: time_us, wire_c, skin_c (0.1 mm deep), deep_c (0.4 mm), mean_c (skin_c over 10 s)."""
         return self._table("warmth")
 
     @cached_property
     def margins(self) -> Table:
-        """Every limit, the most used up first: name, unit, worst, limit, left, used (a part of the limit, from rest)."""
+        """Every limit, the most used first: name, unit, worst, limit, left, used (share of the limit, from rest)."""
         return self._table("margins")
 
     @cached_property
     def taxels(self) -> Table:
-        """What every taxel read: time_us, module, taxel, x, y, z (raw counts), change (from its reference, counts)."""
+        """Readings of every taxel: time_us, module, taxel, x, y, z (raw counts), change (from its reference, counts)."""
         return self._table("taxels")
 
     @cached_property
     def events(self) -> Table:
-        """What is worth a line: time_us, text."""
+        """Notes, faults and stops: time_us, text."""
         return self._table("notes")
 
     def html(self) -> str:
@@ -116,19 +116,19 @@ class _Tables:
 
 
 class Display(_Tables):
-    """What one of several displays came to: the tables of :class:`Run`, of this display alone.
+    """Results of one of several displays: the tables of :class:`Run`, for this display only.
 
-    Wires have the display's own numbers. Boards and modules have those of bench and skin.
+    Wires are numbered per display; boards and modules as on the whole bench and skin.
     """
 
     def __init__(self, inner: _palpate.Run, number: int, summary: dict[str, Any]) -> None:
         super().__init__(inner, number)
         self.summary = summary
-        """Its object in ``displays`` of what ``hil run --json`` prints."""
+        """This display's object in ``displays`` of the output of ``hil run --json``."""
 
     @property
     def name(self) -> str:
-        """Its name on the bench."""
+        """Name of the display on the bench."""
         return str(self.summary["name"])
 
     def __repr__(self) -> str:
@@ -137,12 +137,12 @@ class Display(_Tables):
 
 
 class Run(_Tables):
-    """A run that is over. :func:`run` makes one.
+    """A finished run, as :func:`run` returns it.
 
-    Every table is an array of numpy with named columns; its columns are stated here, with units.
+    Every table is an array of numpy with named columns. Its docstring states the columns with their units.
 
-    On a bench of several displays the tables are of all of them, and :attr:`displays` has those of each. Tables that are
-    a display's own, :attr:`felt`, :attr:`truth` and :attr:`warmth`, begin with a column ``display`` then.
+    On a bench of several displays each table covers all of them, and :attr:`displays` has the tables of each. There,
+    :attr:`felt`, :attr:`truth` and :attr:`warmth` begin with a column ``display``.
     """
 
     def _table(self, name: str) -> Table:
@@ -158,20 +158,20 @@ class Run(_Tables):
 
     @cached_property
     def displays(self) -> Mapping[str, Display]:
-        """Of several displays each by its name, with tables of its own. Empty on a bench of one display."""
+        """Displays by name, each with its own tables. Empty on a bench of one display."""
         names = self._inner.displays()
         each = enumerate(zip(names, self.summary["displays"], strict=True)) if names else ()
         return MappingProxyType({name: Display(self._inner, i, own) for i, (name, own) in each})
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What ``hil run --json`` prints."""
+        """Summary, as ``hil run --json`` prints it."""
         found: dict[str, Any] = json.loads(self._inner.summary())
         return found
 
     @property
     def verdict(self) -> str:
-        """How it ended, the gravest that applies.
+        """Outcome of the run, the gravest that applies.
 
         ``beyond-the-model``, ``limit-exceeded``, ``failed``, ``stopped``, ``incomplete``, ``not-felt``, ``off-the-pad`` or
         ``ok``.
@@ -180,7 +180,7 @@ class Run(_Tables):
 
     @property
     def why(self) -> list[str]:
-        """What the verdict is for."""
+        """Reasons for the verdict."""
         return list(self.summary["why"])
 
     @property
@@ -197,10 +197,10 @@ class Run(_Tables):
         """Writes a record.
 
         Args:
-            path: The ending says which: ``.mcap`` (everything), ``.csv`` (contacts), ``.jsonl`` (schedule), ``.log``
-                (candump), ``.vcd`` (pins, ticks, temperatures), ``.snap`` (golden), ``.html`` (report), ``.json``
-                (summary).
-            force: Whether a file that is no earlier record of this kind is replaced.
+            path: The file. Its ending chooses the format: ``.mcap`` (everything), ``.csv`` (contacts), ``.jsonl``
+                (schedule), ``.log`` (candump), ``.vcd`` (pins, ticks, temperatures), ``.snap`` (golden), ``.html``
+                (report), ``.json`` (summary).
+            force: Whether to replace an existing file even if it is no record of this kind.
         """
         self._inner.save(os.fspath(path), force)
 
@@ -236,8 +236,8 @@ def run(
 ) -> Run:
     """Runs a scene, or a recording, on an emulated bench.
 
-    The same scene, values and seed give the same result, in every process and as ``hil run`` gives it. Other threads
-    go on meanwhile, and Ctrl-C ends it.
+    The same scene, values and seed give the same result in every process, and the same as ``hil run``. Other threads
+    keep running meanwhile. Ctrl-C ends the run.
 
     Args:
         scene: A built-in scene, a file, or the text of one (TOML, several lines). Default: ``sphere-along``.
@@ -247,12 +247,12 @@ def run(
         replay: Readings in place of the scene's touches: a file (CSV or .npy; candump log or MCAP of all buses), one
             file per module, or arrays of raw counts, of shape (rows, taxels, axes) or (rows, taxels * axes).
         layout: The skin of the readings. Default: the scene's.
-        rate_hz: Rows per second, where nothing says when they came.
-        time_us: When the rows of arrays came, microseconds, in place of ``rate_hz``; a list where arrays are one.
-        observe: The guard changes nothing and notes what it would.
+        rate_hz: Rows per second of a recording without times.
+        time_us: Times of the arrays' rows, microseconds, in place of ``rate_hz``; a list for a list of arrays.
+        observe: Whether the guard only notes what it would change, and changes nothing.
 
     Raises:
-        InputError: What cannot be run, with file, key and hint.
+        InputError: An argument or a file is unusable; the error has file, key and hint.
     """
     files: list[str] = []
     arrays: Any = None

@@ -1,4 +1,4 @@
-"""Many runs, on the engine of one's choice."""
+"""Many runs, on threads, processes or a cluster."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _base(base: _Base) -> _palpate.Setup:
 
 
 def _batch(base: _Base, values: list[tuple[str, str]], seeds: list[int]) -> list[str]:
-    """What a worker does: the rows of some runs."""
+    """A worker's part: computes the rows of some runs."""
     return _palpate.sweep_rows(_base(base), values, seeds)
 
 
@@ -71,25 +71,25 @@ def sweep(
 ) -> Table:
     """Runs a scene over every combination of values, one row per run.
 
-    Rows are written as they come. A sweep that was ended, or whose driver died, goes on where it was when it is called
-    again. The finished table has the same bytes whatever ran it, in which order, and as ``hil sweep`` writes it.
+    The sweep writes rows as they come. After an interruption or a crash of the driver, the same call continues it. The
+    finished table has the same bytes on every executor, in every order of runs, and from ``hil sweep``.
 
     Args:
         scene: A built-in scene, a file, or the text of one. Workers of a cluster read files by the same paths.
         grid: Keys with their values: ``{"illusion.alpha": [0, 0.1], "bench.drive.current_ma": [900, 1970],
             "seed": range(1, 101)}``. Every combination runs with every seed; without ``seed``, with 1.
         bench: A built-in emulated bench or a file. Default: what the scene wants, or ``emulated``.
-        executor: Where the runs go. Default: as many threads as there are cores.
-        batch: Runs of one combination that go together.
-        out: The table, ``.jsonl`` or ``.csv``. Rows that it has are not computed again.
-        force: Whether a file that is no table of a sweep, and rows of another sweep, go.
+        executor: Executor of the runs. Default: as many threads as there are cores.
+        batch: Number of runs of one combination that a worker takes at once.
+        out: File of the table, ``.jsonl`` or ``.csv``. The sweep does not repeat rows that it already has.
+        force: Whether to replace a file that is no table of a sweep, and rows of another sweep.
 
     Returns:
         A row per run, in the order of the grid: the keys of the grid, seed, verdict, why, and the figures (NaN where a
         run does not measure one).
 
     Raises:
-        InputError: A key or value that cannot be, a table of another sweep, a worker of another version.
+        InputError: A key or value is invalid, the table is another sweep's, or a worker has another version.
     """
     if not 1 <= batch <= 10_000:
         raise InputError.of("batch", "1 to 10000", repr(batch))

@@ -40,7 +40,7 @@ class Pca9685:
         return self._bus.now_ns()
 
     def advance(self, us: float) -> None:
-        """Lets so many microseconds pass."""
+        """Advances virtual time by so many microseconds."""
         if not 0 <= us <= 1e12:
             raise InputError.of("us", "0 to 1e12 microseconds", repr(us))
         self._edges += self._bus.advance(self._bus.now_ns() + round(us * 1000))
@@ -60,7 +60,7 @@ class Pca9685:
         return pins
 
     def hazards(self, address: int = 0x40) -> list[tuple[int, str]]:
-        """What was done to a chip that should not have been: time (ns) and what."""
+        """Hazardous accesses to a chip: time (ns) and description."""
         return self._bus.hazards(address)
 
     def write_byte(self, i2c_addr: int, value: int, force: bool | None = None) -> None:

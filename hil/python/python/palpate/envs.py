@@ -1,4 +1,4 @@
-"""Environments of Gymnasium for renderers that are learned. Gymnasium has to be installed: ``palpate[gymnasium]``.
+"""Environments of Gymnasium for learned renderers. They need Gymnasium: ``palpate[gymnasium]``.
 
 >>> import gymnasium
 >>> import palpate.envs
@@ -41,7 +41,7 @@ Array = npt.NDArray[np.float32]
 
 
 class Felt(gymnasium.Env[Array, Array]):
-    """Something round slides over the skin, and a renderer says what the wires do about it.
+    """A round object slides over the skin, and a renderer chooses the activations of the wires.
 
     A step is one onset, 117 ms by default. Drive, guard, chip, amplifier, wires, tissue and person are emulated as in
     every run, so an action that the guard limits is felt as far as the guard lets it.
@@ -129,7 +129,7 @@ class Felt(gymnasium.Env[Array, Array]):
         return self._observation(), {"target_mm": self._target_on_skin()}
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """The onset that is due, and the time until just before the next."""
+        """Plays the onset that is due, and advances to just before the next."""
         loop = self.loop
         activations, *parts = np.clip(action, 0.0, 1.0).reshape(-1, len(loop.wires))
         more = loop.most_pulses - 1
@@ -145,7 +145,7 @@ class Felt(gymnasium.Env[Array, Array]):
         return self._observation(), reward, ended, self._done >= self._steps, info
 
     def close(self) -> None:
-        """Lets everything go."""
+        """Frees the environment."""
         self.loop.close()
 
     def _new(self, seed: int) -> Loop:
@@ -157,7 +157,7 @@ class Felt(gymnasium.Env[Array, Array]):
         return place
 
     def _press_until(self, until_us: int) -> int:
-        """The hand slides on; returns how many stimuli the guard changed meanwhile."""
+        """Slides the hand on. Returns the number of stimuli that the guard changed meanwhile."""
         loop, limited = self.loop, 0
         while loop.time_us < until_us:
             loop.touch(self._target_on_skin(), [self._force_n], diameter_mm=self._diameter_mm)

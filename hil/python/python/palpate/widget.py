@@ -85,7 +85,7 @@ class Page(anywidget.AnyWidget):
         self.on_msg(self._hear)
 
     def show(self) -> None:
-        """Shows what happened since the last picture."""
+        """Shows the events since the last picture."""
         self.send({"picture": self._loop._inner.picture()})
 
     def _hear(self, _widget: object, said: dict[str, Any], _buffers: object) -> None:
