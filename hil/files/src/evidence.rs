@@ -63,6 +63,7 @@ pub struct EvidenceDrive {
 /// A row of evidence.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(extend("required" = ["quantity", "value", "unit", "source"])))]
 #[serde(deny_unknown_fields)]
 pub struct EvidenceRow {
     /// `stroke` or `level` of driven bursts, or a quantity that has a prior.
@@ -70,6 +71,7 @@ pub struct EvidenceRow {
     /// Value that was measured or reported.
     pub value: f64,
     /// Unit of the value.
+    #[serde(default)]
     pub unit: String,
     /// Standard deviations below and above the value, in the unit.
     pub tolerance: Option<[f64; 2]>,
@@ -82,6 +84,7 @@ pub struct EvidenceRow {
     #[serde(default = "once")]
     pub times: u32,
     /// Publication or measurement that the row comes from.
+    #[serde(default)]
     pub source: String,
     /// Bursts that gave a stroke or level.
     pub drive: Option<EvidenceDrive>,

@@ -8,23 +8,23 @@ mod marginal;
 mod posterior;
 mod weigh;
 
+pub use crate::band::SCENE;
 pub use draw::Draw;
 pub use posterior::{Drawn, Kinds, Posterior, Spread, percentiles};
 
 use palpate_core::physics::{ParameterError, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::Levels;
-use palpate_files::{EvidenceFile, Loaded, Pass, PriorsFile, Quantity, Setup};
+use palpate_files::{BandFile, EvidenceFile, Loaded, Pass, PriorsFile, Quantity, Setup};
 use palpate_records::trace::{PlaceUm, Trace, event};
 
+use crate::band;
 use crate::failure::Failure;
 use crate::policy::refuse_hardware;
 use crate::{Host, Input, Keep, pass, plan, run_with};
 use draw::Draws;
 use weigh::Weights;
 
-/// The scene that every draw plays.
-pub const SCENE: &str = "sphere-along";
 /// Effective sample size from which percentiles are stated.
 pub const ENOUGH: f64 = 200.0;
 /// A level below which nothing moves and no place is felt, dB.
@@ -38,6 +38,9 @@ pub struct Calibration {
     draws: Draws,
     weights: Weights,
     is_identified: bool,
+    seed: u64,
+    /// Digest of all values that the draws go back to.
+    digest: String,
     /// Error of a guess at the middle of the path, RMSE, mm: where no place is felt.
     unplaced_mm: f64,
 }
@@ -50,7 +53,7 @@ impl Calibration {
     /// A bench of hardware or of several displays, and evidence that does not fit the priors.
     pub fn new(
         mut setup: Setup,
-        priors: &PriorsFile,
+        priors: &Loaded<PriorsFile>,
         evidence: &[Loaded<EvidenceFile>],
         is_identified: bool,
         seed: u64,
@@ -65,13 +68,37 @@ impl Calibration {
         let bench_wire = plan::wire(&setup);
         let nominal = run_with(&setup, &Input::Scene, 1, Keep::default(), &mut ())?;
         Ok(Self {
-            draws: Draws::new(priors, evidence, &bench_wire, seed)?,
+            digest: band::digest(&setup, &priors.source, evidence)?,
+            draws: Draws::new(&priors.value, evidence, &bench_wire, seed)?,
             weights: Weights::new(evidence)?,
             unplaced_mm: unplaced_mm(&nominal.trace),
             bench_wire,
             is_identified,
+            seed,
             setup,
         })
+    }
+
+    /// The file that lets every run on the bench show a posterior of these draws. `priors` and `evidence` are the names
+    /// by which it finds them again.
+    pub fn band(&self, posterior: &Posterior, priors: String, evidence: Vec<String>) -> BandFile {
+        let name = self.setup.bench.value.name.clone();
+        BandFile {
+            description: format!("What is felt on bench {name} over all that is not measured"),
+            name,
+            digest: self.digest.clone(),
+            scene: SCENE.to_owned(),
+            law: self.setup.scene.value.illusion.model.name().to_owned(),
+            identified: self.is_identified,
+            priors,
+            evidence,
+            seed: self.seed,
+            draws: posterior.draws,
+            effective: posterior.effective,
+            level_db: posterior.after.level_db,
+            felt: posterior.after.felt,
+            error_mm: posterior.after.error_mm,
+        }
     }
 
     /// Figures of the draw of this number: the same in every order and on every number of cores.
