@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::resolve::FileKind;
 use super::settings::bounds;
 use super::source::Source;
 
@@ -27,6 +28,10 @@ pub struct BandFile {
     pub priors: String,
     /// Evidence: built-in names or files.
     pub evidence: Vec<String>,
+    /// Wires that the evidence drove: built-in names or files.
+    pub wires: Vec<String>,
+    /// Alloys of those wires.
+    pub alloys: Vec<String>,
     /// Seed of the draws.
     pub seed: u64,
     /// Number of draws.
@@ -63,6 +68,22 @@ impl BandFile {
         Ok(file)
     }
 
+    /// Files beside bench and scene that the draws go back to, each with its kind and the key of its name.
+    #[must_use]
+    pub fn named(&self) -> Vec<(FileKind, &str, String)> {
+        let lists = [
+            (FileKind::Evidence, "evidence", &self.evidence),
+            (FileKind::Wire, "wires", &self.wires),
+            (FileKind::Alloy, "alloys", &self.alloys),
+        ];
+        let listed = lists.into_iter().flat_map(|(kind, key, names)| {
+            let numbered = names.iter().enumerate();
+            numbered.map(move |(n, name)| (kind, name.as_str(), format!("{key}[{n}]")))
+        });
+        let priors = (FileKind::Priors, self.priors.as_str(), "priors".to_owned());
+        std::iter::once(priors).chain(listed).collect()
+    }
+
     /// The file's text. Figures are rounded to what their draws tell.
     #[must_use]
     pub fn text(&self) -> String {
@@ -77,6 +98,8 @@ impl BandFile {
              identified = {}\n\
              priors = {:?}\n\
              evidence = {:?}\n\
+             wires = {:?}\n\
+             alloys = {:?}\n\
              seed = {}\n\
              draws = {}\n\
              effective = {:.1}\n\
@@ -92,6 +115,8 @@ impl BandFile {
             self.identified,
             self.priors,
             self.evidence,
+            self.wires,
+            self.alloys,
             self.seed,
             self.draws,
             self.effective,

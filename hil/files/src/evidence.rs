@@ -36,7 +36,7 @@ const fn once() -> u32 {
 pub struct EvidenceDrive {
     /// The wire's file; left out: the bench's wire.
     pub wire: Option<String>,
-    /// The wire's alloy.
+    /// The wire's alloy; left out: `low`.
     pub alloy: Option<String>,
     /// Share of the resistance that is wire; left out: as drawn.
     pub wire_share: Option<f64>,
@@ -188,6 +188,12 @@ impl EvidenceRow {
 }
 
 impl EvidenceDrive {
+    /// Alloy of the wire.
+    #[must_use]
+    pub fn alloy(&self) -> &str {
+        self.alloy.as_deref().unwrap_or("low")
+    }
+
     fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
         bounds!(source, at, self;
             wire_share: 0.01..=1.0;

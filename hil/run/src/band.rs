@@ -3,8 +3,8 @@
 //! A digest of all that the draws go back to tells whether that still holds.
 
 use palpate_files::{
-    BandFile, Bench, EvidenceFile, FileError, FileKind, Loaded, Setup, Source, load_alloy,
-    load_layout, load_person, load_scene, load_wire, resolve_from,
+    BandFile, Bench, FileError, Loaded, Setup, Source, load_layout, load_person, load_scene,
+    resolve_from,
 };
 use palpate_records::digest::short_digest;
 use serde::Serialize;
@@ -109,25 +109,17 @@ fn options(file: &BandFile, source: &Source) -> String {
 
 /// Digest of what a band on this setup's bench would be made of, by the names in its file.
 fn read_digest(setup: &Setup, file: &BandFile, source: &Source) -> Result<String, FileError> {
-    let priors = resolve_from(FileKind::Priors, &file.priors, source, "priors")?;
-    let evidence = file.evidence.iter().enumerate().map(|(n, name)| {
-        let key = format!("evidence[{n}]");
-        Loaded::read(resolve_from(FileKind::Evidence, name, source, &key)?)
-    });
-    let evidence: Vec<_> = evidence.collect::<Result<_, _>>()?;
-    digest(setup, &priors, &evidence)
+    let named = file.named().into_iter();
+    let named = named.map(|(kind, name, key)| resolve_from(kind, name, source, &key));
+    digest(setup, &named.collect::<Result<Vec<_>, _>>()?)
 }
 
 /// Digest of all values that draws of a bench go back to: the bench's own, its files, those of the scene that they play,
-/// priors, evidence and the wires that evidence names.
+/// and the named files of its band, in their order.
 ///
 /// # Errors
-/// A file that is not there, or cannot be.
-pub fn digest(
-    setup: &Setup,
-    priors: &Source,
-    evidence: &[Loaded<EvidenceFile>],
-) -> Result<String, FileError> {
+/// A file of the scene that is not there, or cannot be.
+pub fn digest(setup: &Setup, named: &[Source]) -> Result<String, FileError> {
     let bench = Bench {
         band: None,
         ..setup.bench.value.clone()
@@ -135,27 +127,14 @@ pub fn digest(
     let scene = load_scene(SCENE)?;
     let layout = load_layout(&scene.value.layout)?.source;
     let person = load_person(&scene.value.illusion.person)?.source;
-    let mut text = format!("{bench:?}\n");
-    let mut add = |source: &Source| {
-        let values = source.values();
-        text += &format!("{} {values}\n", values.len());
-    };
     let own = [&setup.wire.source, &setup.alloy.source];
     let shared = [&setup.limits.source, &setup.display.source];
     let of_scene = [&scene.source, &layout, &person];
     let all = own.into_iter().chain(shared).chain(of_scene);
-    all.chain([priors]).for_each(&mut add);
-    for file in evidence {
-        add(&file.source);
-        let drives = file.value.row.iter().filter_map(|row| row.drive.as_ref());
-        for drive in drives {
-            if let Some(wire) = &drive.wire {
-                add(&load_wire(wire)?.source);
-            }
-            if let Some(alloy) = &drive.alloy {
-                add(&load_alloy(alloy)?.source);
-            }
-        }
+    let mut text = format!("{bench:?}\n");
+    for source in all.chain(named) {
+        let values = source.values();
+        text += &format!("{} {values}\n", values.len());
     }
     Ok(short_digest(&text))
 }

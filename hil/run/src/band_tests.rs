@@ -1,6 +1,6 @@
 //! Bands that ship are of their benches, and stale ones say how to make them anew.
 
-use palpate_files::{Overrides, load_evidence, load_priors};
+use palpate_files::{FileKind, Overrides};
 
 use super::*;
 
@@ -13,10 +13,12 @@ fn setup(scene: &str, set: &[&str]) -> Setup {
     setup.with(&overrides).unwrap()
 }
 
-fn digest_of(setup: &Setup) -> String {
-    let priors = load_priors("default").unwrap().source;
-    let evidence = [load_evidence("published").unwrap()];
-    digest(setup, &priors, &evidence).unwrap()
+/// Digest of the default band's files on a setup, with other texts in place of some.
+fn digest_of(setup: &Setup, change: impl Fn(Source) -> Source) -> String {
+    let Loaded { value, source } = setup.band.as_ref().unwrap();
+    let named = value.named().into_iter();
+    let named = named.map(|(kind, name, key)| resolve_from(kind, name, source, &key).unwrap());
+    digest(setup, &named.map(change).collect::<Vec<_>>()).unwrap()
 }
 
 /// A bench, law or model that has changed needs its band computed anew: the sentence has the command.
@@ -35,37 +37,36 @@ fn every_band_that_ships_is_of_its_bench() {
 #[test]
 fn what_the_draws_go_back_to_is_in_the_digest_and_a_comment_is_not() {
     let own = setup(SCENE, &[]);
-    let digest = digest_of(&own);
+    let same = |source| source;
+    let digest = digest_of(&own, same);
     // The scene that a run plays is not what the band is of.
-    assert_eq!(digest_of(&setup("sphere-circle", &[])), digest);
+    assert_eq!(digest_of(&setup("sphere-circle", &[]), same), digest);
     for set in [
         "bench.drive.current_ma=1100",
         "bench.mount.sag_um=240",
-        "bench.wire.kind=taut",
+        "bench.wire.kind=final-75um",
         "bench.wire.alloy=high",
         "bench.tissue.modulus_kpa=60",
     ] {
-        assert_ne!(digest_of(&setup(SCENE, &[set])), digest, "{set}");
+        assert_ne!(digest_of(&setup(SCENE, &[set]), same), digest, "{set}");
     }
-    let again = |source: &Source, from: &str, to: &str| {
-        assert!(source.text().contains(from), "{from}");
-        Source::new("mine.toml", source.text().replace(from, to))
-    };
     let commented =
-        |source: &Source| Source::new("mine.toml", format!("# More.\n{}", source.text()));
-    let priors = load_priors("default").unwrap().source;
-    let published = load_evidence("published").unwrap();
-    let of = |priors: &Source, evidence: Source| {
-        super::digest(&own, priors, &[Loaded::read(evidence).unwrap()]).unwrap()
-    };
-    let evidence = &published.source;
-    assert_eq!(of(&commented(&priors), commented(evidence)), digest);
-    let other = again(&priors, "[35, 55]", "[35, 54]");
-    assert_ne!(of(&other, evidence.clone()), digest);
-    let other = again(evidence, "value = 10.0", "value = 9.0");
-    assert_ne!(of(&priors, other), digest);
-    let other = again(evidence, "\"first-100um\"", "\"taut\"");
-    assert_ne!(of(&priors, other), digest);
+        |source: Source| Source::new("mine.toml", format!("# More.\n{}", source.text()));
+    assert_eq!(digest_of(&own, commented), digest);
+    for (from, to) in [
+        ("[35, 55]", "[35, 54]"),
+        ("value = 10.0", "value = 9.0"),
+        ("name = \"first-100um\"", "name = \"first-101um\""),
+        ("name = \"low\"", "name = \"lower\""),
+    ] {
+        let changed = std::cell::Cell::new(0);
+        let change = |source: Source| {
+            changed.set(changed.get() + source.text().matches(from).count());
+            Source::new("mine.toml", source.text().replace(from, to))
+        };
+        assert_ne!(digest_of(&own, change), digest, "{from}");
+        assert_eq!(changed.get(), 1, "{from}");
+    }
 }
 
 #[test]

@@ -64,16 +64,13 @@ fn band(
     posterior: &Posterior,
 ) -> BandFile {
     let is_here = path.parent().is_none_or(|folder| folder == Path::new(""));
-    let named = |kind: FileKind, name: &String| {
+    let found = |kind: FileKind, name: &str| {
+        let is_found = is_here || kind.names().contains(&name);
         let absolute = || std::path::absolute(name).ok();
-        let is_found = is_here || kind.names().contains(&name.as_str());
-        let found = (!is_found).then(absolute).flatten();
-        found.map_or_else(|| name.clone(), |path| path.display().to_string())
+        let path = (!is_found).then(absolute).flatten();
+        path.map_or_else(|| name.to_owned(), |path| path.display().to_string())
     };
-    let evidence = args.evidence.iter();
-    let evidence = evidence.map(|name| named(FileKind::Evidence, name));
-    let priors = named(FileKind::Priors, &args.priors);
-    calibration.band(posterior, priors, evidence.collect())
+    calibration.band(posterior, &args.priors, &args.evidence, found)
 }
 
 /// Draws until the effective sample size is enough, or no more may be drawn.
