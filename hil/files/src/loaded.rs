@@ -191,6 +191,13 @@ impl Loaded<Protocol> {
 }
 
 impl Loaded<Bench> {
+    /// Returns true if the bench is a built-in one, as it ships.
+    #[must_use]
+    pub fn is_as_shipped(&self) -> bool {
+        let shipped = FileKind::Bench.built_in(&self.value.name);
+        shipped == Some(self.source.text()) && self.source.changes().is_empty()
+    }
+
     /// The bench as a command line names it, with an option for each value in place of its own.
     #[must_use]
     pub fn typed(&self) -> String {

@@ -27,6 +27,7 @@ fn every_band_that_ships_is_of_its_bench() {
     assert!(FileKind::Band.names().contains(&"emulated"));
     for name in FileKind::Band.names() {
         let setup = Setup::load(SCENE, name).unwrap();
+        assert!(setup.bench.is_as_shipped(), "{name}");
         let band = FeltBand::of(&setup).unwrap_or_else(|why| {
             panic!("{name}: {why}; `ci/bands --write {name}` does so for the shipped one")
         });
