@@ -125,7 +125,7 @@ pub struct WornDisplay {
     /// The wires, and who feels them.
     worn: Wearing,
     /// Other wires in their place, through which the same currents flow.
-    others: Vec<Wearing>,
+    other: Option<Wearing>,
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
@@ -175,7 +175,7 @@ impl WornDisplay {
                 config.wires.len()
             ],
             worn: worn.with_dose(),
-            others: Vec::new(),
+            other: None,
             places: config.wires.clone(),
             parameters: config.wire,
             tissue: config.tissue,
@@ -260,7 +260,7 @@ impl WornDisplay {
             let load = self.loads[wire];
             sum += load.amps;
             self.worn.wires[wire].set_current(at, load.amps);
-            for other in &mut self.others {
+            if let Some(other) = &mut self.other {
                 other.wires[wire].set_current(at, load.amps);
             }
             let (since, before) = self.flowing[wire];
@@ -400,7 +400,7 @@ impl WornDisplay {
         self.worn.by(person, &self.places_mm())
     }
 
-    /// Puts other wires beside, at rest, through which the same currents flow from here on, and has the same person feel
+    /// Puts other wires beside in place of earlier ones, at rest, through which the same currents flow from here on, and has the same person feel
     /// them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
     ///
     /// # Errors
@@ -408,7 +408,7 @@ impl WornDisplay {
     pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
         let mut other = Wearing::new(wire, &self.tissue, self.places.len())?;
         other.by(person, &self.places_mm())?;
-        self.others.push(other);
+        self.other = Some(other);
         Ok(())
     }
 
@@ -420,7 +420,9 @@ impl WornDisplay {
     /// Sums up what was felt until now.
     pub fn settle(&mut self) {
         self.worn.settle(self.now);
-        self.others.iter_mut().for_each(|o| o.settle(self.now));
+        if let Some(other) = &mut self.other {
+            other.settle(self.now);
+        }
     }
 
     /// Takes the stimulus that a person met since the last onset, felt or not, and begins the next one. `None` where no
@@ -429,11 +431,10 @@ impl WornDisplay {
         self.worn.onset(self.now)
     }
 
-    /// Takes the stimuli of the wires beside since the last onset, in
-    /// the order in which they were put there, and begins the next one.
-    pub fn other_onsets(&mut self) -> impl Iterator<Item = Option<Felt>> + '_ {
-        let now = self.now;
-        self.others.iter_mut().map(move |other| other.onset(now))
+    /// Takes the stimulus of the wires beside since the last onset, and begins the next one. `None` as for
+    /// [`Self::onset`], and without such wires.
+    pub fn other_onset(&mut self) -> Option<Felt> {
+        self.other.as_mut()?.onset(self.now)
     }
 
     /// Most martensite of any wire now, in [0, 1]; `None` without wires.

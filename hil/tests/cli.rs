@@ -3,6 +3,8 @@
 // A failed expectation in a test is its message.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
+#[path = "cli/calibrate.rs"]
+mod calibrate;
 #[path = "cli/compare.rs"]
 mod compare;
 #[path = "cli/contacts.rs"]

@@ -57,6 +57,7 @@ impl Setup {
             limits: Loaded::read(named("limits.toml")?)?,
             wire: Loaded::read(named("wire.toml")?)?,
             alloy: Loaded::read(named("alloy.toml")?)?,
+            band: None,
             person: Loaded::read(named("person.toml")?)?,
             wearer: wearer.map(Loaded::read).transpose()?,
             texture: None,

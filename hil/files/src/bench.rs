@@ -61,6 +61,9 @@ settings! {
         pub unit: Option<BenchUnit>,
         /// A Peltier module under the fingertip; left out: none.
         pub heat: Option<BenchHeat>,
+        /// Level and error over all that is not measured, from `hil calibrate`: a built-in name or a file; left out: not
+        /// computed.
+        pub band: Option<String>,
     }
 
     /// The emulated thimble, without a name. Its current is below the published drive, so that a contact that keeps

@@ -8,6 +8,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::activation::ActivationFile;
+use super::band::BandFile;
 use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
@@ -184,6 +185,7 @@ impl Mended {
             FileKind::Protocol => self.read(|s| Protocol::read(s).map(drop)),
             FileKind::Priors => self.read(|s| PriorsFile::read(s).map(drop)),
             FileKind::Evidence => self.read(|s| EvidenceFile::read(s).map(drop)),
+            FileKind::Band => self.read(|s| BandFile::read(s).map(drop)),
             FileKind::Recording => self.recipe(),
             FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }
@@ -214,6 +216,7 @@ impl Mended {
         self.read(|s| setup::wire_of(&of(s)?).map(drop));
         self.read(|s| setup::alloy_of(&of(s)?).map(drop));
         self.read(|s| setup::mounted_of(&of(s)?).map(drop));
+        self.read(|s| setup::band_of(&of(s)?).map(drop));
         self.read(|s| {
             let bench = of(s)?;
             let display = setup::display_of(&bench)?;

@@ -36,7 +36,7 @@ const fn once() -> u32 {
 pub struct EvidenceDrive {
     /// The wire's file; left out: the bench's wire.
     pub wire: Option<String>,
-    /// The wire's alloy.
+    /// The wire's alloy; left out: `low`.
     pub alloy: Option<String>,
     /// Share of the resistance that is wire; left out: as drawn.
     pub wire_share: Option<f64>,
@@ -63,6 +63,7 @@ pub struct EvidenceDrive {
 /// A row of evidence.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(extend("required" = ["quantity", "value", "unit", "source"])))]
 #[serde(deny_unknown_fields)]
 pub struct EvidenceRow {
     /// `stroke` or `level` of driven bursts, or a quantity that has a prior.
@@ -70,6 +71,7 @@ pub struct EvidenceRow {
     /// Value that was measured or reported.
     pub value: f64,
     /// Unit of the value.
+    #[serde(default)]
     pub unit: String,
     /// Standard deviations below and above the value, in the unit.
     pub tolerance: Option<[f64; 2]>,
@@ -82,6 +84,7 @@ pub struct EvidenceRow {
     #[serde(default = "once")]
     pub times: u32,
     /// Publication or measurement that the row comes from.
+    #[serde(default)]
     pub source: String,
     /// Bursts that gave a stroke or level.
     pub drive: Option<EvidenceDrive>,
@@ -185,6 +188,12 @@ impl EvidenceRow {
 }
 
 impl EvidenceDrive {
+    /// Alloy of the wire.
+    #[must_use]
+    pub fn alloy(&self) -> &str {
+        self.alloy.as_deref().unwrap_or("low")
+    }
+
     fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
         bounds!(source, at, self;
             wire_share: 0.01..=1.0;

@@ -9,6 +9,7 @@ mod activation;
 mod address;
 mod arrays;
 mod attached;
+mod band;
 mod bench;
 mod change;
 mod check;
@@ -82,6 +83,7 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
+pub use band::BandFile;
 pub use bench::{
     Amplifier, Bench, BenchDac, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
     ExternalClock, Network, Output, OutputEnable, Real,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::activation::ActivationFile;
+use super::band::BandFile;
 use super::bench::Bench;
 use super::error::FileError;
 use super::evidence::EvidenceFile;
@@ -89,6 +90,7 @@ files! {
     Protocol = Protocol, load_protocol "A protocol";
     PriorsFile = Priors, load_priors "Priors";
     EvidenceFile = Evidence, load_evidence "Evidence";
+    BandFile = Band;
     Recipe = Recording, load_recipe "A recipe of a recording";
 }
 
@@ -162,6 +164,15 @@ impl<T> Loaded<T> {
     }
 }
 
+/// A word of a command line, in quotes where a shell would read it otherwise.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "=._/-+:,".contains(c);
+    match word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
 impl Loaded<Protocol> {
     /// The scene of a condition, by its place among them, with its changes; `None` where the condition plays none.
     ///
@@ -180,6 +191,28 @@ impl Loaded<Protocol> {
 }
 
 impl Loaded<Bench> {
+    /// Returns true if the bench is a built-in one, as it ships.
+    #[must_use]
+    pub fn is_as_shipped(&self) -> bool {
+        let shipped = FileKind::Bench.built_in(&self.value.name);
+        shipped == Some(self.source.text()) && self.source.changes().is_empty()
+    }
+
+    /// The bench as a command line names it, with an option for each value in place of its own.
+    #[must_use]
+    pub fn typed(&self) -> String {
+        let mut words = match self.source.folder() {
+            Some(_) => self.source.label().to_owned(),
+            None => self.value.name.clone(),
+        };
+        for change in self.source.changes() {
+            if let Some(value) = change.value.as_ref().filter(|_| change.key != "band") {
+                words += &format!(" --set {}", quoted(&format!("{}={value}", change.key)));
+            }
+        }
+        words
+    }
+
     /// The key file of the bench's unit: a relative name starts at the folder of the bench's file.
     #[must_use]
     pub fn unit_key(&self) -> Option<PathBuf> {

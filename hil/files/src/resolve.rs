@@ -19,7 +19,7 @@ macro_rules! kinds {
 
         impl FileKind {
             /// Every kind.
-            pub const ALL: [Self; 15] = [$(Self::$kind),+];
+            pub const ALL: [Self; 16] = [$(Self::$kind),+];
 
             /// The name of the kind, as the schema of such files has it.
             #[must_use]
@@ -81,6 +81,8 @@ kinds! {
     Priors = "priors" "priors" "priors" priors priors_names,
     /// Evidence about wires and people.
     Evidence = "evidence" "evidence" "evidence" evidence evidence_names,
+    /// What was found of a bench over all that is not measured.
+    Band = "band" "bands" "a band" band band_names,
     /// A recipe for a recording.
     Recording = "recording" "recordings" "a recipe of a recording",
 }

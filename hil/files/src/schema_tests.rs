@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use super::limits::Limiting;
 use super::{
-    ActivationFile, AlloyFile, Bench, EvidenceFile, LayoutFile, PersonFile, PriorsFile, Protocol,
-    Quarantine, Recipe, Scene, TextureTable, Wearer, WireFile,
+    ActivationFile, AlloyFile, BandFile, Bench, EvidenceFile, LayoutFile, PersonFile, PriorsFile,
+    Protocol, Quarantine, Recipe, Scene, TextureTable, Wearer, WireFile,
 };
 
 /// A key that may be left out altogether has no default to speak of, and neither has a name.
@@ -25,6 +25,7 @@ fn shipped_schemas_are_current() {
     let schemas = [
         ("activation", schemars::schema_for!(ActivationFile)),
         ("alloy", schemars::schema_for!(AlloyFile)),
+        ("band", schemars::schema_for!(BandFile)),
         ("bench", schemars::schema_for!(Bench)),
         ("evidence", schemars::schema_for!(EvidenceFile)),
         ("layout", schemars::schema_for!(LayoutFile)),

@@ -3,6 +3,7 @@
 mod fingers;
 
 use super::activation::ActivationFile;
+use super::band::BandFile;
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
@@ -88,6 +89,8 @@ pub struct Setup {
     pub wire: Loaded<WireFile>,
     /// The wires' alloy.
     pub alloy: Loaded<AlloyFile>,
+    /// Level and error of the bench over all that is not measured, where it names such a file.
+    pub band: Option<Loaded<BandFile>>,
     /// The emulated person.
     pub person: Loaded<PersonFile>,
     /// The wearer's calibration, if there is one.
@@ -146,6 +149,7 @@ impl Setup {
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
         let (wire, alloy) = mounted_of(&bench)?;
+        let band = band_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let people = people_of(&scene)?;
         let fingers = fingers::of(&scene, &bench, &people)?;
@@ -170,6 +174,7 @@ impl Setup {
             limits,
             wire,
             alloy,
+            band,
             person,
             wearer,
             texture,
@@ -253,6 +258,22 @@ pub(super) fn mounted_of(
     let tissue = bench.value.tissue.parameters();
     check_rest(&wire.source, &bench.source, &worn, &tissue)?;
     Ok((wire, alloy))
+}
+
+/// Reads the band that a bench names, which is of that bench.
+pub(super) fn band_of(bench: &Loaded<Bench>) -> Result<Option<Loaded<BandFile>>, FileError> {
+    let Some(name) = &bench.value.band else {
+        return Ok(None);
+    };
+    let band: Loaded<BandFile> = bench.refer(name, "band")?;
+    let (own, other) = (&bench.value.name, &band.value.name);
+    if own == other {
+        return Ok(Some(band));
+    }
+    let typed = bench.typed();
+    let expected = format!("a band of bench `{own}`; `hil calibrate {typed} --out FILE` makes one");
+    let found = format!("\"{name}\", one of bench `{other}`");
+    Err(bench.source.bad_found("band", expected, found))
 }
 
 /// Checks that all wires of a display are connected.

@@ -109,6 +109,7 @@ fn plain(wanted: &str) -> String {
         "a boolean" => "true or false",
         "a sequence" => "an array",
         "an array of length 2" => "an array of 2 numbers",
+        "an array of length 3" => "an array of 3 numbers",
         "an array of length 4" => "an array of 4 numbers",
         other if other.starts_with("struct ") => "a table",
         other if other.starts_with("enum ") => "a string",

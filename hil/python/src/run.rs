@@ -107,7 +107,7 @@ pub fn run(
         can: true,
         i2c: true,
         readings: KeptReadings::All,
-        band: true,
+        spread: true,
         summary: false,
     };
     let mut host = Interruptible::default();

@@ -27,10 +27,6 @@ impl Shown {
     /// Begins pictures from now on.
     pub fn new(setup: &Setup, seed: u64, session: &mut EmulatedSession) -> Result<Self, Failure> {
         let header = header(setup, seed, session.projector())?;
-        // Wires of the band are at rest when they are added, as all wires are at the start alone.
-        if session.now().as_micros() == 0 {
-            session.display().compare(setup, &header, false)?;
-        }
         session.recorder().counts.get_or_insert_default();
         Ok(Self {
             head: Head::new(setup, &header, session.projector()),

@@ -1,266 +1,148 @@
-//! Spread of the felt level and the felt error over quantities that nobody measured: wires taut or loose, the gain from
-//! length to skin, and the person. Twelve corners; `docs/felt.md` gives the source of their ends.
+//! The felt level and error of a bench over all that is not measured: what `hil calibrate` found, read from its file.
 //!
-//! Stress and latent heat change temperatures, so each preset has wires of its own, through which the same currents
-//! flow. Gain and thresholds only shift levels: both channels are linear, and no wire has a threshold of its own. A
-//! loose wire leaves the skin as it does at the headline's gain.
+//! A digest of all that the draws go back to tells whether that still holds.
 
-use palpate_core::physics::{Bow, History, WireParameters, WireState};
-use palpate_emulators::person::channels::{Felt, Levels, Person};
-use palpate_emulators::worn::WornDisplay;
-use palpate_files::{Setup, load_person};
-use palpate_records::felt::FeltPath;
-use palpate_records::trace::{Event, Header};
+use palpate_files::{
+    BandFile, Bench, FileError, Loaded, Setup, Source, load_layout, load_person, load_scene,
+    resolve_from,
+};
+use palpate_records::digest::short_digest;
 use serde::Serialize;
 
-use crate::failure::Failure;
-use crate::path_error::PathError;
-use crate::plan;
+/// The scene that every draw of a calibration plays.
+pub const SCENE: &str = "sphere-along";
 
-/// Ends of the gain from a wire's length to the skin (`docs/wire.md`).
-const GAINS: [f64; 2] = [2.4, 9.0];
-
-/// The persons that ship.
-const PERSONS: [&str; 3] = ["dull", "sensitive", "typical"];
-
-/// Twelve corners of quantities that nobody measured, onset by onset.
-pub(crate) struct Band {
-    corners: Vec<Corner>,
-    /// Wires of the bench in each state that they may be in, by the headline's gain and person.
-    states: Vec<Corner>,
-    /// `true` where every onset is kept, for [`Self::finish`].
-    whole: bool,
-    /// Least and most level of the newest onset, dB.
-    newest_db: Option<[f64; 2]>,
-}
-
-/// One corner: a preset, a gain and a person.
-struct Corner {
-    preset: &'static str,
-    gain: f64,
-    person: String,
-    /// Index among the wires that are emulated beside the bench's; `None` where the bench's own have the preset's
-    /// parameters.
-    other: Option<usize>,
-    /// Difference of both levels from the headline's, dB.
-    shift: Levels,
-    path: FeltPath,
-}
-
-impl Band {
-    /// The corners for a setup. Wires of a preset that differs from the bench's are emulated beside the display's own.
-    /// A run that is not `whole` keeps the newest onset alone.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn new(
-        setup: &Setup,
-        header: &Header,
-        display: &mut WornDisplay,
-        whole: bool,
-    ) -> Result<Self, Failure> {
-        let (wire, headline) = (plan::wire(setup), plan::emulated_person(setup));
-        let impossible = |e| Failure::Input(format!("bench `{}`: {e}", setup.bench.value.name));
-        let tissue = setup.bench.value.tissue.parameters();
-        let gain = Bow::new(&wire, &tissue).map_err(impossible)?.gain;
-        let persons = PERSONS
-            .iter()
-            .map(|&name| Ok((name, plan::on_bench(&load_person(name)?.value, setup))));
-        let persons: Vec<(&str, Person)> = persons.collect::<Result<_, Failure>>()?;
-        let (mut corners, mut others) = (Vec::new(), 0);
-        let presets: [(_, WireParameters); 2] = [("taut", wire.taut()), ("loose", wire)];
-        for (preset, parameters) in presets {
-            let other = (parameters != wire).then_some(others);
-            if other.is_some() {
-                display.compare(&parameters, headline).map_err(impossible)?;
-                others += 1;
-            }
-            for end in GAINS {
-                for (name, person) in &persons {
-                    corners.push(Corner {
-                        preset,
-                        gain: end,
-                        person: (*name).to_owned(),
-                        other,
-                        shift: shift(end / gain, &headline, person),
-                        path: FeltPath::new(header),
-                    });
-                }
-            }
-        }
-        let states = states(setup, header, (&wire, headline, gain), display, others);
-        Ok(Self {
-            corners,
-            states,
-            whole,
-            newest_db: None,
-        })
-    }
-
-    /// Least and most level over threshold of the newest onset in all corners, dB, where it moved a wire.
-    pub const fn newest_db(&self) -> Option<[f64; 2]> {
-        self.newest_db
-    }
-
-    /// Adds an onset that is over. `event` makes the onset's event from a sensation; `met` is the sensation by the
-    /// headline's wires, `others` those by the wires beside.
-    pub fn add(
-        &mut self,
-        event: impl Fn(Option<&Felt>) -> Event,
-        met: Option<&Felt>,
-        others: &[Option<Felt>],
-    ) {
-        self.newest_db = None;
-        let corners = self.corners.iter_mut().map(|corner| (corner, true));
-        let states = self.states.iter_mut().map(|corner| (corner, false));
-        for (corner, is_of_band) in corners.chain(states) {
-            let met = match corner.other {
-                None => met.copied(),
-                Some(other) => others.get(other).copied().flatten(),
-            };
-            let met = met.map(|met| Felt {
-                levels: Levels {
-                    vibration_db: met.levels.vibration_db + corner.shift.vibration_db,
-                    flutter_db: met.levels.flutter_db + corner.shift.flutter_db,
-                    np2_db: met.levels.np2_db + corner.shift.np2_db,
-                },
-                ..met
-            });
-            if let Some(db) = met.map(|met| met.levels.db()).filter(|_| is_of_band) {
-                let [low, high] = self.newest_db.unwrap_or([db; 2]);
-                self.newest_db = Some([low.min(db), high.max(db)]);
-            }
-            if self.whole {
-                corner.path.add(&event(met.as_ref()));
-            }
-        }
-    }
-
-    /// Band of a run; `known` where it has a true path. `None` where no contact was inside the display.
-    pub fn finish(&self, known: bool) -> Option<FeltBand> {
-        let corners = self.corners.iter().map(|corner| corner.finish(known));
-        let corners: Vec<FeltCorner> = corners.collect::<Option<_>>()?;
-        let errors = corners
-            .iter()
-            .flat_map(|c| [c.error_energy_mm, c.error_amplitude_mm]);
-        Some(FeltBand {
-            level_db: ends(corners.iter().map(|c| c.level_db))?,
-            error_mm: ends(errors.flatten().map(|e| e.rmse)),
-            corners,
-        })
-    }
-
-    /// Figures of a run by the state in which its wires began; `known` where it has a true path. Empty where no contact was
-    /// inside the display.
-    pub fn states(&self, known: bool) -> Vec<FeltCorner> {
-        let states = self.states.iter();
-        states.filter_map(|corner| corner.finish(known)).collect()
-    }
-}
-
-impl Corner {
-    /// Figures of the corner; `known` where the run has a true path. `None` where no contact was inside the display.
-    fn finish(&self, known: bool) -> Option<FeltCorner> {
-        let scores = self.path.scores();
-        let [energy, amplitude] =
-            scores.map(|score| score.errors.filter(|_| known).map(PathError::from));
-        Some(FeltCorner {
-            preset: self.preset,
-            gain: self.gain,
-            person: self.person.clone(),
-            level_db: f64::from(self.path.level()?.median_mdb) * 1e-3,
-            error_energy_mm: energy,
-            error_amplitude_mm: amplitude,
-        })
-    }
-}
-
-/// The bench's wires as they are and in their other state. A state that the model has no rest for is left out. So many wires
-/// are emulated beside the bench's already.
-fn states(
-    setup: &Setup,
-    header: &Header,
-    (wire, headline, gain): (&WireParameters, Person, f64),
-    display: &mut WornDisplay,
-    others: usize,
-) -> Vec<Corner> {
-    let history = wire.history;
-    let of = |state: WireState, other| Corner {
-        preset: match state {
-            WireState::Cold => "cold",
-            WireState::Passed => "passed",
-        },
-        gain,
-        person: setup.person.value.name.clone(),
-        other,
-        shift: shift(1.0, &headline, &headline),
-        path: FeltPath::new(header),
-    };
-    let state = match history.state {
-        WireState::Cold => WireState::Passed,
-        WireState::Passed => WireState::Cold,
-    };
-    let turned = WireParameters {
-        history: History {
-            state,
-            coldest_c: None,
-            ..history
-        },
-        ..*wire
-    };
-    let is_known = display.compare(&turned, headline).is_ok();
-    let turned = is_known.then(|| of(state, Some(others)));
-    [of(history.state, None)]
-        .into_iter()
-        .chain(turned)
-        .collect()
-}
-
-/// Shift of both levels by a gain `gain` times as large and another person's thresholds, dB.
-fn shift(gain: f64, headline: &Person, person: &Person) -> Levels {
-    let decibels = |ratio: f64| 20.0 * libm::log10(gain * ratio);
-    Levels {
-        vibration_db: decibels(headline.vibration_um / person.vibration_um),
-        flutter_db: decibels(headline.flutter_um / person.flutter_um),
-        np2_db: match (headline.np2_um, person.np2_um) {
-            (Some(headline), Some(person)) => decibels(headline / person),
-            _ => Levels::SILENT.np2_db,
-        },
-    }
-}
-
-/// Least and largest of the values; `None` for none.
-fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    values.fold(None, |ends, value| {
-        let [low, high] = ends.unwrap_or([value; 2]);
-        Some([low.min(value), high.max(value)])
-    })
-}
-
-/// Felt levels and errors over all twelve corners.
+/// Felt level and error of a bench over all draws of what is not measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeltBand {
-    /// Least and most of the corners' median levels over threshold, dB.
-    pub level_db: [f64; 2],
-    /// Least and most error of the corners by either centroid, RMSE, mm; null where no true path is known.
-    pub error_mm: Option<[f64; 2]>,
-    /// Every corner's figures.
-    pub corners: Vec<FeltCorner>,
+    /// Level over the person's threshold at 5, 50 and 95 %, dB.
+    pub level_db: [f64; 3],
+    /// Share of draws whose person feels half of the onsets or more.
+    pub felt: f64,
+    /// Error of the felt place over all onsets at 5, 50 and 95 %, RMSE, mm.
+    pub error_mm: [f64; 3],
+    /// Number of draws.
+    pub draws: usize,
+    /// Effective sample size of their weights.
+    pub effective: f64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Scene that every draw played.
+    pub scene: String,
+    /// True if the law planned with each draw's own wire.
+    pub identified: bool,
+    /// Evidence by which draws were weighed.
+    pub evidence: Vec<String>,
 }
 
-/// Figures of one corner.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs)] // the keys say what they are, with their units
-pub struct FeltCorner {
-    /// Wires on the bench's own geometry: `taut` or `loose`, or the bench's own, `cold` or `passed`.
-    pub preset: &'static str,
-    /// Displacement of the skin over change of the wire's length, 1.
-    pub gain: f64,
-    pub person: String,
-    /// Median level over the onsets with a contact inside the display, dB.
-    pub level_db: f64,
-    pub error_energy_mm: Option<PathError>,
-    pub error_amplitude_mm: Option<PathError>,
+impl FeltBand {
+    /// The band of a setup's bench.
+    ///
+    /// # Errors
+    /// Words for why there is none, with the command that makes one.
+    pub fn of(setup: &Setup) -> Result<Self, String> {
+        let typed = setup.bench.typed();
+        let Some(Loaded {
+            value: file,
+            source,
+        }) = &setup.band
+        else {
+            return Err(format!(
+                "not computed: hil calibrate {typed} --out FILE, then band = \"FILE\" in the bench"
+            ));
+        };
+        let law = setup.scene.value.illusion.model.name();
+        if file.law != law {
+            return Err(format!(
+                "not computed for the law {law}: {} has {}",
+                source.label(),
+                file.law
+            ));
+        }
+        // A browser's page has built-in files alone, whose digests a test compares; to compute one there would weigh more
+        // than it tells.
+        let holds = match cfg!(target_family = "wasm") {
+            true => Ok(setup.bench.is_as_shipped()),
+            false => read_digest(setup, file, source).map(|digest| digest == file.digest),
+        };
+        match holds {
+            Ok(true) => Ok(Self::from(file)),
+            Ok(false) => Err(format!(
+                "not computed: {} is of other values; hil calibrate {typed}{} makes it anew",
+                source.label(),
+                options(file, source)
+            )),
+            Err(error) => Err(format!("not computed: {error}")),
+        }
+    }
+}
+
+impl From<&BandFile> for FeltBand {
+    fn from(file: &BandFile) -> Self {
+        Self {
+            level_db: file.level_db,
+            felt: file.felt,
+            error_mm: file.error_mm,
+            draws: file.draws,
+            effective: file.effective,
+            seed: file.seed,
+            scene: file.scene.clone(),
+            identified: file.identified,
+            evidence: file.evidence.clone(),
+        }
+    }
+}
+
+/// Options of `hil calibrate` that make a band anew.
+fn options(file: &BandFile, source: &Source) -> String {
+    let mut words = String::new();
+    if file.priors != "default" {
+        words += &format!(" --priors {}", file.priors);
+    }
+    if file.evidence != ["published"] {
+        let each = file.evidence.iter();
+        words.extend(each.map(|name| format!(" --evidence {name}")));
+    }
+    if !file.identified {
+        words += " --planned nominal";
+    }
+    if file.seed != 1 {
+        words += &format!(" --seed {}", file.seed);
+    }
+    let out = source.folder().map_or("FILE", |_| source.label());
+    words + &format!(" --out {out}")
+}
+
+/// Digest of what a band on this setup's bench would be made of, by the names in its file.
+fn read_digest(setup: &Setup, file: &BandFile, source: &Source) -> Result<String, FileError> {
+    let named = file.named().into_iter();
+    let named = named.map(|(kind, name, key)| resolve_from(kind, name, source, &key));
+    digest(setup, &named.collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Digest of all values that draws of a bench go back to: the bench's own, its files, those of the scene that they play,
+/// and the named files of its band, in their order.
+///
+/// # Errors
+/// A file of the scene that is not there, or cannot be.
+pub fn digest(setup: &Setup, named: &[Source]) -> Result<String, FileError> {
+    let bench = Bench {
+        band: None,
+        ..setup.bench.value.clone()
+    };
+    let scene = load_scene(SCENE)?;
+    let layout = load_layout(&scene.value.layout)?.source;
+    let person = load_person(&scene.value.illusion.person)?.source;
+    let own = [&setup.wire.source, &setup.alloy.source];
+    let shared = [&setup.limits.source, &setup.display.source];
+    let of_scene = [&scene.source, &layout, &person];
+    let all = own.into_iter().chain(shared).chain(of_scene);
+    let mut text = format!("{bench:?}\n");
+    for source in all.chain(named) {
+        let values = source.values();
+        text += &format!("{} {values}\n", values.len());
+    }
+    Ok(short_digest(&text))
 }
 
 #[cfg(test)]

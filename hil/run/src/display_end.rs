@@ -10,7 +10,6 @@ use palpate_core::units::{Board, Duration, Instant, Prescale};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
-use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
@@ -20,7 +19,6 @@ use palpate_records::trace::{Event, Header, event};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
-use crate::band::{Band, FeltBand, FeltCorner};
 use crate::boards;
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
@@ -34,6 +32,7 @@ use crate::policy::{refuse_hardware, refuse_observed};
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
+use crate::states::{FeltState, States};
 use crate::unit::{EmulatedDriver, NoLine, UnitReport};
 use config::{config, no_bench};
 
@@ -104,11 +103,6 @@ pub trait DisplayEnd {
         None
     }
 
-    /// Least and most level of the newest onset over everything that is not measured, dB over threshold.
-    fn newest_band_db(&self) -> Option<[f64; 2]> {
-        None
-    }
-
     /// A driver's error in full.
     fn explain(&self, error: &DriverError) -> String {
         error.to_string()
@@ -141,8 +135,8 @@ pub struct EmulatedDisplay {
     /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
     summary: bool,
-    /// Felt levels in the other corners of [`Band`], where a view or report shows them.
-    band: Option<Band>,
+    /// The run in both states of its wires, where a summary or report shows them.
+    states: Option<States>,
     /// Currents of all wires so far.
     currents: Currents,
     /// A Peltier module under the fingertip, where the bench has one.
@@ -220,7 +214,7 @@ impl EmulatedDisplay {
             next_look: Instant::ZERO,
             samples: None,
             summary: false,
-            band: None,
+            states: None,
             currents: Currents::new(projector.display().wires().len()),
             heat,
             display,
@@ -244,27 +238,17 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// Emulates all corners too: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
-        self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
-        Ok(())
+    /// Emulates wires in the other state beside, for [`EmulatedDisplay::states`].
+    pub fn compare(&mut self, setup: &Setup, header: &Header) {
+        self.states = Some(States::new(setup, header, &mut self.display));
     }
 
-    /// Felt levels and errors over all corners, where they are compared and a contact was inside the display. `known`
-    /// where the true path is known.
-    pub fn band(&self, known: bool) -> Option<FeltBand> {
-        self.band.as_ref()?.finish(known)
-    }
-
-    /// Felt level and error by the state in which the wires began, where corners are compared; `known` where the true path
-    /// is known.
-    pub fn states(&self, known: bool) -> Vec<FeltCorner> {
-        self.band
+    /// Felt level and error by the state in which the wires began, where both are compared; `known` where the true path is
+    /// known.
+    pub fn states(&self, known: bool) -> Vec<FeltState> {
+        self.states
             .as_ref()
-            .map_or_else(Vec::new, |band| band.states(known))
+            .map_or_else(Vec::new, |states| states.finish(known))
     }
 
     /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.
@@ -372,9 +356,9 @@ impl EmulatedDisplay {
     /// Scores the newest onset by its sensation until now; otherwise its successor scores it.
     pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
-        let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
+        let other = self.display.other_onset();
         let pending = self.pending.take();
-        let compared = (self.band.as_mut(), &*others);
+        let compared = (self.states.as_mut(), other.as_ref());
         feel(pending, felt, projector, &self.full, recorder, compared);
     }
 }
@@ -451,10 +435,6 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn face_c(&self) -> Option<f64> {
         self.heat.as_ref().map(EmulatedHeat::face_c)
-    }
-
-    fn newest_band_db(&self) -> Option<[f64; 2]> {
-        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// Explains an error with the board's number on the bench.

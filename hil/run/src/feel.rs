@@ -9,10 +9,10 @@ use palpate_emulators::worn::WornDisplay;
 use palpate_files::Setup;
 use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
 
-use super::band::Band;
 use super::failure::Failure;
 use super::plan;
 use super::recorder::{Onset, Recorder, milli_c};
+use super::states::States;
 
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
@@ -97,7 +97,7 @@ pub(super) fn feel(
     projector: &Projector,
     full: &FullDrive,
     recorder: &mut Recorder,
-    (band, others): (Option<&mut Band>, &[Option<Felt>]),
+    (states, other): (Option<&mut States>, Option<&Felt>),
 ) {
     let Some(onset) = onset else {
         return;
@@ -136,8 +136,8 @@ pub(super) fn feel(
         })
     };
     recorder.events.push(event(met.as_ref()));
-    if let Some(band) = band {
-        band.add(event, met.as_ref(), others);
+    if let Some(states) = states {
+        states.add(event, met.as_ref(), other);
     }
 }
 

@@ -94,10 +94,12 @@ impl Summary {
         let skin = self.felt.skin_um.as_ref();
         let skin = skin.map_or_else(String::new, |um| format!(", {:.1} um", um.median));
         let band = self.felt.band.as_ref().map_or_else(String::new, |band| {
-            let [low, high] = band.level_db;
+            let [low, _, high] = band.level_db;
             format!("; band {low:+.1} to {high:+.1} dB")
         });
-        format!("{percent} % of {meant} onset{s}{level}{skin}{band}")
+        let none = self.felt.no_band.as_ref();
+        let none = none.map_or("", |_| "; band not computed");
+        format!("{percent} % of {meant} onset{s}{level}{skin}{band}{none}")
     }
 
     fn felt_error_words(&self) -> String {

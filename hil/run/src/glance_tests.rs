@@ -14,7 +14,7 @@ fn played(scene: &str, set: &[&str]) -> Outcome {
     let bench = load_bench(scene.value.own_bench()).unwrap();
     let setup = Setup::join(scene, bench).unwrap();
     let keep = Keep {
-        band: true,
+        spread: true,
         ..Keep::default()
     };
     run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap()

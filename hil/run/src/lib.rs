@@ -52,6 +52,7 @@ mod session;
 pub mod skin;
 pub mod skin_end;
 mod stagger;
+mod states;
 mod summary;
 mod summary_felt;
 mod summary_text;
@@ -65,7 +66,7 @@ mod verdict;
 mod wish;
 
 pub use activations::Activations;
-pub use band::{FeltBand, FeltCorner};
+pub use band::FeltBand;
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::{Failure, damaged};
 pub use finder::{Finder, Search};
@@ -90,6 +91,7 @@ pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use skin::EmulatedSkin;
 pub use stagger::stagger;
+pub use states::FeltState;
 pub use summary::{DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished};
 pub use summary_felt::{AskedLevel, CountedError, FeltError, FeltSummary, LevelDb, SkinUm};
 pub use supervisor::Supervisor;
@@ -195,9 +197,9 @@ pub struct Keep {
     /// The summary alone: records that no figure of the summary needs are dropped while the run goes on, so that memory
     /// is bounded whatever the length. Trace, frame times and temperatures are then in part.
     pub summary: bool,
-    /// Felt levels in all corners of quantities that nobody measured. Reports and views that show them need other wires
-    /// beside.
-    pub band: bool,
+    /// What only summaries and reports for people show: the bench's band, and the run through wires in the other state,
+    /// which are emulated beside.
+    pub spread: bool,
 }
 
 /// Readings of taxels that a run keeps.

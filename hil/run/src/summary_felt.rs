@@ -7,9 +7,10 @@ use palpate_records::measure::Errors;
 use palpate_records::trace::Header;
 use serde::Serialize;
 
-use crate::band::{FeltBand, FeltCorner};
+use crate::band::FeltBand;
 use crate::path_error::PathError;
 use crate::plan;
+use crate::states::FeltState;
 
 /// Felt level over threshold, and the person who felt it: the headline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,14 +42,16 @@ pub struct FeltSummary {
     pub asked: Option<AskedLevel>,
     /// Level that one wire at the limits lacks for this person to feel it, dB; null where something is felt.
     pub missing_db: Option<f64>,
-    /// Felt levels and errors over all corners of what is not measured; null where nothing shows them.
+    /// Levels and errors of the bench over all that is not measured; null where it has no file that holds.
     pub band: Option<FeltBand>,
+    /// Reason why there is no band, with the command that makes one; null where there is one, or nothing shows it.
+    pub no_band: Option<String>,
     /// State in which the wires began; left out of a summary over several displays.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<&'static str>,
     /// The run in each state of its wires; left out where nothing shows it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub states: Vec<FeltCorner>,
+    pub states: Vec<FeltState>,
 }
 
 /// A level that a scene asks for, and the level that heat leaves: all in dB over the threshold that the loop believes.
@@ -179,6 +182,7 @@ impl FeltSummary {
             asked: None,
             missing_db: None,
             band: None,
+            no_band: None,
             state: None,
             states: Vec::new(),
         }

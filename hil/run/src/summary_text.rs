@@ -6,10 +6,11 @@ use palpate_records::margin::{Limited, Margin};
 use palpate_records::model;
 use palpate_records::trace::Source;
 
-use crate::band::{FeltBand, FeltCorner};
+use crate::band::FeltBand;
 use crate::boards::{BoardReport, BusReport};
 use crate::pass::PassReport;
 use crate::path_error::PathError;
+use crate::states::FeltState;
 use crate::summary::{DisplaySummary, EnergyDb, Summary, Taxels};
 use crate::summary_felt::{AskedLevel, FeltError, FeltSummary};
 
@@ -93,13 +94,13 @@ impl FeltSummary {
 impl FeltSummary {
     /// Line of the run in each state of its wires, by the errors of the energy and the amplitude centroid.
     fn states_line(&self) -> Option<Line> {
-        let of = |state: &FeltCorner| {
+        let of = |state: &FeltState| {
             let mm = |error: Option<PathError>| {
                 error.map_or_else(|| "-".to_owned(), |error| format!("{:.2}", error.rmse))
             };
             format!(
                 "{} {:+.1} dB, error {} / {} mm",
-                state.preset,
+                state.state,
                 state.level_db,
                 mm(state.error_energy_mm),
                 mm(state.error_amplitude_mm)
@@ -127,26 +128,15 @@ impl AskedLevel {
 }
 
 impl FeltBand {
-    /// Line of the corners.
+    /// Line of the band.
     fn line(&self) -> Line {
-        let [low, high] = self.level_db;
-        let error = self.error_mm.map_or(String::new(), |[low, high]| {
-            format!(", error {low:.2} to {high:.2} mm RMSE")
-        });
-        let distinct = |of: fn(&FeltCorner) -> String| {
-            let mut all: Vec<String> = Vec::new();
-            for name in self.corners.iter().map(of) {
-                if !all.contains(&name) {
-                    all.push(name);
-                }
-            }
-            all
-        };
-        let wires = distinct(|c| c.preset.to_owned()).join(" and ");
-        let gains = distinct(|c| c.gain.to_string()).join(" to ");
-        let persons = distinct(|c| c.person.clone()).len();
+        let [low, half, high] = self.level_db;
+        let [least, middle, most] = self.error_mm;
         let words = format!(
-            "{low:+.1} to {high:+.1} dB{error}: wires {wires}, gain {gains}, {persons} persons"
+            "{low:+.1} to {high:+.1} dB, {half:+.1} median; {:.0} % feel it; error {least:.1} to {most:.1} mm, {middle:.1} median (5 to 95 % of {} draws on {})",
+            100.0 * self.felt,
+            self.draws,
+            self.scene
         );
         line("felt band", words)
     }
@@ -254,6 +244,8 @@ impl Summary {
         lines.push(line("felt level", self.felt.words()));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));
+        let none = self.felt.no_band.as_ref();
+        lines.extend(none.map(|why| line("felt band", why.clone())));
         lines.extend(self.felt.states_line());
         lines.push(line("felt error", self.felt_error_mm.words()));
         // Error by the other centroid of the literature.

@@ -1,5 +1,7 @@
 //! Options of `hil calibrate`.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 
 use super::{Voice, ranges, whole};
@@ -35,7 +37,7 @@ pub struct CalibrateArgs {
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = whole::<u64, 10, 1_000_000>, allow_hyphen_values = true)]
     pub most: u64,
     /// Seed of the draws.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { i64::MAX as u64 }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// Draws at the same time (default: one per core).
     #[arg(short = 'j', long, value_name = "N", value_parser = whole::<usize, 1, 1024>, allow_hyphen_values = true)]
@@ -43,6 +45,12 @@ pub struct CalibrateArgs {
     /// A value in place of the bench's (`mount.sag_um=200`). Repeatable.
     #[arg(short = 's', long, value_name = "KEY=VALUE", value_parser = ranges::key_value)]
     pub set: Vec<String>,
+    /// Write the band for runs on the bench, which names the file as its `band` (TOML).
+    #[arg(short = 'o', long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Overwrite a file that is no earlier output of hil.
+    #[arg(short = 'f', long)]
+    pub force: bool,
     /// Amount that the command says.
     #[command(flatten)]
     pub voice: Voice,

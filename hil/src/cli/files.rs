@@ -32,6 +32,8 @@ pub enum Shelf {
     Priors,
     /// Evidence about wires and people.
     Evidence,
+    /// Bands: what is felt of a bench over all that is not measured.
+    Bands,
     /// Tables of textures.
     Textures,
     /// Studies with people.

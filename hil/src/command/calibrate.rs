@@ -1,16 +1,20 @@
 //! `hil calibrate`: what is felt on a bench, over all wires, fingers and people that priors and evidence allow.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use palpate_buses::signals::Signals;
-use palpate_files::{EvidenceFile, Loaded, Overrides, Setup, load_evidence, load_priors};
+use palpate_files::{
+    BandFile, EvidenceFile, FileKind, Format, Loaded, Overrides, Setup, load_bench, load_evidence,
+    load_priors, load_scene,
+};
 use palpate_run::calibrate::{Calibration, Drawn, ENOUGH, Kinds, Posterior, SCENE, Spread};
-use palpate_run::{Failure, Host};
+use palpate_run::{Failure, Host, plan};
 use rayon::prelude::*;
 use serde_json::json;
 
 use crate::cli::{CalibrateArgs, Planned};
-use palpate_live::output::{print, print_json};
+use palpate_live::output::{Outputs, print, print_json};
 use palpate_live::progress::Progress;
 
 /// Ends a run when a signal came.
@@ -34,10 +38,39 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     for set in &args.set {
         overrides.set(&format!("--set bench.{set}"), &format!("bench.{set}"))?;
     }
-    let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
+    let bench = load_bench(&args.bench)?;
+    // The scene drives one display, which it would say of itself.
+    plan::one_display(&bench)?;
+    let setup = Setup::join(load_scene(SCENE)?, bench)?.with(&overrides)?;
+    let outputs = Outputs::of(args.force);
+    if let Some(path) = &args.out {
+        outputs.check(path, Format::Toml)?;
+    }
     let own = args.planned == Planned::Own;
-    let calibration = Calibration::new(setup, &priors.value, &evidence, own, args.seed)?;
-    tell(args, &enough(args, &calibration)?)
+    let calibration = Calibration::new(setup, &priors, &evidence, own, args.seed)?;
+    let posterior = enough(args, &calibration)?;
+    if let Some(path) = &args.out {
+        let text = band(args, path, &calibration, &posterior).text();
+        outputs.write(path, Format::Toml, |out| out.write_all(text.as_bytes()))?;
+    }
+    tell(args, &posterior)
+}
+
+/// The band for a file at `path`, which finds files of priors and evidence from its own folder.
+fn band(
+    args: &CalibrateArgs,
+    path: &Path,
+    calibration: &Calibration,
+    posterior: &Posterior,
+) -> BandFile {
+    let is_here = path.parent().is_none_or(|folder| folder == Path::new(""));
+    let found = |kind: FileKind, name: &str| {
+        let is_found = is_here || kind.names().contains(&name);
+        let absolute = || std::path::absolute(name).ok();
+        let path = (!is_found).then(absolute).flatten();
+        path.map_or_else(|| name.to_owned(), |path| path.display().to_string())
+    };
+    calibration.band(posterior, &args.priors, &args.evidence, found)
 }
 
 /// Draws until the effective sample size is enough, or no more may be drawn.

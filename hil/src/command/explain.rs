@@ -287,13 +287,6 @@ pub fn done(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
             effort.driven, effort.cold_wires, effort.wires
         ),
     )?;
-    row(
-        "felt band",
-        match &outcome.summary.felt.band {
-            Some(band) => format!("{} corners, on wires beside", band.corners.len()),
-            None => "corners left out: nothing shows them".into(),
-        },
-    )?;
     let t = &effort.traffic;
     row(
         "registers",

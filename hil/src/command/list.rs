@@ -91,6 +91,7 @@ const fn kind(shelf: Shelf) -> Option<FileKind> {
         Shelf::Activations => FileKind::Activation,
         Shelf::Priors => FileKind::Priors,
         Shelf::Evidence => FileKind::Evidence,
+        Shelf::Bands => FileKind::Band,
         Shelf::Textures => FileKind::Textures,
         Shelf::Protocols => FileKind::Protocol,
         Shelf::Illusions => return None,

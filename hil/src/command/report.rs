@@ -4,40 +4,12 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::Setup;
 use palpate_records::report::{
-    BandRow, FingerReport, HandReport, Pad, ReportExtras, SummaryRow, hand_html, report_html,
+    FingerReport, HandReport, Pad, ReportBand, ReportExtras, ReportState, SummaryRow, hand_html,
+    report_html,
 };
-use palpate_run::{FeltBand, FeltCorner, Outcome, Refresh};
+use palpate_run::{Outcome, Refresh};
 
 use palpate_live::host::made;
-
-/// A row per preset and person.
-fn band_rows(band: &FeltBand) -> Vec<BandRow> {
-    let pair = |low: &FeltCorner| {
-        let same = |c: &&FeltCorner| (c.preset, &c.person) == (low.preset, &low.person);
-        let high = band.corners.iter().rfind(same).unwrap_or(low);
-        BandRow {
-            wires: low.preset.into(),
-            person: low.person.clone(),
-            gain: [low.gain, high.gain],
-            level_db: [low.level_db, high.level_db],
-            error_mm: low.error_energy_mm.map(|error| error.rmse),
-        }
-    };
-    let gain = band.corners.first().map(|c| c.gain);
-    let lowest = band.corners.iter().filter(|c| Some(c.gain) == gain);
-    lowest.map(pair).collect()
-}
-
-/// The bench's own wires in one of their states.
-fn state_row(state: &FeltCorner) -> BandRow {
-    BandRow {
-        wires: state.preset.into(),
-        person: state.person.clone(),
-        gain: [state.gain; 2],
-        level_db: [state.level_db; 2],
-        error_mm: state.error_energy_mm.map(|error| error.rmse),
-    }
-}
 
 /// The page of a run of several displays: the hand, with a link to every finger's own page in these files beside it.
 pub(super) fn hand(setup: &Setup, outcome: &Outcome, files: &[PathBuf]) -> String {
@@ -95,14 +67,29 @@ pub fn report(outcome: &Outcome) -> String {
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
     ];
-    let band = s.felt.band.iter().flat_map(band_rows);
-    let band: Vec<BandRow> = band.chain(s.felt.states.iter().map(state_row)).collect();
+    let band = s.felt.band.as_ref().map(|band| ReportBand {
+        level_db: band.level_db,
+        felt: band.felt,
+        error_mm: band.error_mm,
+        draws: band.draws,
+        effective: band.effective,
+        scene: band.scene.clone(),
+        evidence: band.evidence.join(", "),
+    });
+    let states = s.felt.states.iter().map(|state| ReportState {
+        state: state.state,
+        level_db: state.level_db,
+        error_mm: state.error_energy_mm.map(|error| error.rmse),
+    });
+    let states: Vec<ReportState> = states.collect();
     report_html(
         &outcome.trace,
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
-            band: &band,
+            band: band.as_ref(),
+            no_band: s.felt.no_band.as_deref(),
+            states: &states,
             readings: outcome.readings.as_ref(),
             warmth: &outcome.warmth,
             made: &made(),

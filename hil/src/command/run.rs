@@ -117,7 +117,7 @@ fn prepare(args: &RunArgs, setup: &Setup) -> Result<Plan, Failure> {
     let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
     let told = !args.voice.quiet || args.voice.json || wants(Format::Html) || wants(Format::Json);
     let keep = Keep {
-        band: told || args.serve.is_some(),
+        spread: told,
         can: wants(Format::Candump) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
         readings: match (wants(Format::Mcap), wants(Format::Html)) {

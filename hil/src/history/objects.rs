@@ -10,7 +10,7 @@ use super::difference::{Compared, Difference, Named, Tolerance};
 /// Keys of what was measured on a machine at a time: they differ from run to run.
 const OF_THE_MACHINE: [&str; 6] = ["wall_s", "frame_us", "took_s", "date", "version", "pacing"];
 /// Keys that name the items of a list, so that another order is no difference.
-const NAMES: [&str; 3] = ["name", "trial", "interface"];
+const NAMES: [&str; 4] = ["name", "trial", "interface", "state"];
 /// Places of a summary that repeat the value of another place, each with that place.
 const TWINS: [(&str, &str); 7] = [
     ("/felt/error_energy_mm", "/felt_error_mm"),
@@ -136,15 +136,9 @@ fn flatten<'v>(
     }
 }
 
-/// Name of an item of a list: its own, or the corner of a band that it is.
-fn name(item: &Value) -> Option<String> {
-    let own = NAMES.iter().find_map(|name| item.get(name)?.as_str());
-    let corner = || {
-        let text = |key: &str| item.get(key)?.as_str();
-        let gain = item.get("gain")?.as_f64()?;
-        Some(format!("{} {gain} {}", text("preset")?, text("person")?))
-    };
-    own.map(str::to_owned).or_else(corner)
+/// Own name of an item of a list.
+fn name(item: &Value) -> Option<&str> {
+    NAMES.iter().find_map(|name| item.get(name)?.as_str())
 }
 
 #[cfg(test)]

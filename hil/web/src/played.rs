@@ -61,7 +61,6 @@ impl Played {
         }
         let (mut session, fingers) = EmulatedSession::played(&setup, seed)?;
         let header = header(&setup, seed, session.projector())?;
-        session.display().compare(&setup, &header, false)?;
         session.recorder().counts = Some(Vec::new());
         let head = Head::new(&setup, &header, session.projector());
         let painter = Painter::new(&setup, &header, session.projector());

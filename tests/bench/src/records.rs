@@ -43,7 +43,7 @@ fn setup() -> Result<Setup, Failure> {
 
 /// Everything of a run.
 const ALL: Keep = Keep {
-    band: false,
+    spread: false,
     can: true,
     i2c: true,
     readings: KeptReadings::All,

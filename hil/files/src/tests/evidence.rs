@@ -26,7 +26,11 @@ fn what_ships_is_read() {
 fn rows_without_unit_source_or_tolerance_are_refused() {
     let text = palpate_fixtures::evidence("published").unwrap();
     for (from, to, words) in [
-        ("unit = \"um\"\n", "", "mine.toml:5: row[0].unit: expected "),
+        (
+            "unit = \"um\"\n",
+            "",
+            "mine.toml:5: row[0].unit: expected \"um\", the unit of stroke, found nothing",
+        ),
         (
             "unit = \"um\"",
             "unit = \"mm\"",
@@ -40,7 +44,7 @@ fn rows_without_unit_source_or_tolerance_are_refused() {
         (
             "source = \"thesis: both subjects felt the final module\"\n",
             "",
-            "row[1].source: expected ",
+            "mine.toml:22: row[1].source: expected the publication or measurement that the value comes from, found nothing",
         ),
         (
             "source = \"thesis: both subjects felt the final module\"",

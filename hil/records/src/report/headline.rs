@@ -1,7 +1,6 @@
 //! The result at a glance: the first figures of the page.
 
-use super::BandRow;
-use super::series::span;
+use super::ReportBand;
 use super::svg::escape;
 use crate::felt::{felt_level, felt_scores};
 use crate::margin::{Limited, Margin};
@@ -29,7 +28,7 @@ fn tile(name: &'static str, value: String, more: String) -> Tile {
 }
 
 /// Writes the figures; those without a value in the run are left out.
-pub(super) fn tiles(page: &mut String, trace: &Trace, band: &[BandRow]) {
+pub(super) fn tiles(page: &mut String, trace: &Trace, band: Option<&ReportBand>) {
     let ledger = &trace.ledger;
     let driven = ledger.driven;
     let tiles = [
@@ -80,12 +79,11 @@ fn onsets(trace: &Trace) -> Option<Tile> {
     })
 }
 
-fn level(trace: &Trace, band: &[BandRow]) -> Option<Tile> {
+fn level(trace: &Trace, band: Option<&ReportBand>) -> Option<Tile> {
     let level = felt_level(trace)?;
     let um = f64::from(level.skin_median_nm) * 1e-3;
     let mut more = format!("and {um:.1} um of the skin, median inside the wires");
-    let (low, high) = span(band.iter().flat_map(|row| row.level_db));
-    if low <= high {
+    if let Some([low, _, high]) = band.map(|band| band.level_db) {
         let _ = write!(more, "; band {low:+.1} to {high:+.1} dB");
     }
     let db = f64::from(level.median_mdb) * 1e-3;

@@ -45,18 +45,33 @@ pub struct SummaryRow {
     pub over: bool,
 }
 
-/// The felt level of one kind of wires by one person, from the least to the most gain of what is not measured.
+/// Felt level and error of a bench at 5, 50 and 95 % of all that is not measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BandRow {
-    /// State of the wires, `loose` or `taut`.
-    pub wires: String,
-    /// The person.
-    pub person: String,
-    /// Both ends of the gain from a wire's length to the skin.
-    pub gain: [f64; 2],
-    /// The median level there, dB over the person's threshold.
-    pub level_db: [f64; 2],
-    /// Root mean square error of the felt place by energy, mm, which no gain moves.
+pub struct ReportBand {
+    /// Median level, dB over the person's threshold.
+    pub level_db: [f64; 3],
+    /// Share of draws whose person feels it.
+    pub felt: f64,
+    /// Error of the felt place over all onsets, RMSE, mm.
+    pub error_mm: [f64; 3],
+    /// Number of draws.
+    pub draws: usize,
+    /// Effective sample size of their weights.
+    pub effective: f64,
+    /// Scene that every draw played.
+    pub scene: String,
+    /// Evidence by which draws were weighed.
+    pub evidence: String,
+}
+
+/// The run through its wires in one of their states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportState {
+    /// State of the wires, `cold` or `passed`.
+    pub state: &'static str,
+    /// Median level, dB over the person's threshold.
+    pub level_db: f64,
+    /// Error of the felt place by energy, RMSE, mm.
     pub error_mm: Option<f64>,
 }
 
@@ -70,8 +85,12 @@ pub struct ReportExtras<'a> {
     /// More lines for the summary. Path error, felt error, time per frame and the ledger are there
     /// without being named here.
     pub summary: &'a [SummaryRow],
-    /// Range of the felt level over unmeasured properties, where that is known.
-    pub band: &'a [BandRow],
+    /// Felt level and error of the bench over all that is not measured, where they are known.
+    pub band: Option<&'a ReportBand>,
+    /// Reason why they are not known.
+    pub no_band: Option<&'a str>,
+    /// The run in each state of its wires.
+    pub states: &'a [ReportState],
     /// Readings of every taxel, where they were kept.
     pub readings: Option<&'a Readings>,
     /// The emulated finger over time, where there is one.
@@ -98,7 +117,8 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     figures::temperatures(&mut page, trace);
     figures::frames(&mut page, trace, extras);
     tables::summary(&mut page, trace, extras);
-    tables::band(&mut page, extras.band);
+    tables::band(&mut page, extras);
+    tables::states(&mut page, extras.states);
     tables::events(&mut page, trace);
     tables::made(&mut page, trace, extras.made);
     let mut after = String::new();

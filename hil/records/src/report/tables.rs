@@ -3,7 +3,7 @@
 use super::page::table;
 use super::series::scan_us;
 use super::svg::escape;
-use super::{BandRow, ReportExtras, SummaryRow};
+use super::{ReportExtras, ReportState, SummaryRow};
 use crate::felt::{decibels, energies, felt_level, felt_scores};
 use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
@@ -232,35 +232,54 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
     page.push_str("</div>\n");
 }
 
-/// Table of the felt level's range over unmeasured properties; nothing where that is not known.
-pub(super) fn band(page: &mut String, rows: &[BandRow]) {
-    let Some(first) = rows.first() else {
+/// Table of the felt level and error over all that is not measured, or the reason why there is none.
+pub(super) fn band(page: &mut String, extras: &ReportExtras<'_>) {
+    if let Some(why) = extras.no_band {
+        let why = escape(why);
+        let _ = writeln!(page, "<section><h2>Felt band</h2><p>{why}</p></section>");
+    }
+    let Some(band) = extras.band else {
         return;
     };
-    let columns = [
-        ("", "wires"),
-        ("", "person"),
-        ("num", "level [dB]"),
-        ("num", "error [mm]"),
-    ];
-    let row = |of: &BandRow| {
-        let [low, high] = of.level_db;
-        let error = of
-            .error_mm
-            .map_or_else(|| "\u{2013}".to_owned(), |mm| format!("{mm:.2}"));
-        let level = format!("{low:+.1} to {high:+.1}");
-        (
-            high < 0.0,
-            vec![of.wires.clone(), of.person.clone(), level, error],
-        )
+    let columns = [("", ""), ("num", "5 %"), ("num", "50 %"), ("num", "95 %")];
+    let row = |name: &str, cells: [String; 3]| {
+        let cells = std::iter::once(name.to_owned()).chain(cells);
+        (false, cells.collect())
     };
-    let [low, high] = first.gain;
+    let rows = [
+        row("level [dB]", band.level_db.map(|db| format!("{db:+.1}"))),
+        row("error [mm]", band.error_mm.map(|mm| format!("{mm:.1}"))),
+    ];
     let _ = writeln!(
         page,
-        "<section><h2>Felt band</h2><p class=\"sub\">The median level over what is not measured: how the wires lie, the \
-         person, and a gain from a wire's length to the skin from {low} to {high}. Red is felt with no gain of \
-         these. The error is RMSE by energy.</p>{}</section>",
-        table(&columns, rows.iter().map(row))
+        "<section><h2>Felt band</h2><p class=\"sub\">Wires, fingers and people as priors and evidence ({}) allow: {} draws \
+         on {}, of which {:.0} count. {:.0} % feel it.</p>{}</section>",
+        escape(&band.evidence),
+        band.draws,
+        escape(&band.scene),
+        band.effective,
+        100.0 * band.felt,
+        table(&columns, rows)
+    );
+}
+
+/// Table of the run in each state of its wires; nothing where that is not known.
+pub(super) fn states(page: &mut String, states: &[ReportState]) {
+    if states.is_empty() {
+        return;
+    }
+    let columns = [("", "wires"), ("num", "level [dB]"), ("num", "error [mm]")];
+    let row = |of: &ReportState| {
+        let error = of.error_mm.map(|mm| format!("{mm:.2}"));
+        let error = error.unwrap_or_else(|| "\u{2013}".to_owned());
+        let level = format!("{:+.1}", of.level_db);
+        (of.level_db < 0.0, vec![of.state.to_owned(), level, error])
+    };
+    let _ = writeln!(
+        page,
+        "<section><h2>By state</h2><p class=\"sub\">The same currents through wires in either state. The error is RMSE by \
+         energy.</p>{}</section>",
+        table(&columns, states.iter().map(row))
     );
 }
 

@@ -161,34 +161,54 @@ fn the_result_counts_what_is_felt_and_marks_what_is_not() {
 }
 
 #[test]
-fn the_band_is_a_table() {
+fn band_and_states_are_tables() {
     let trace = synthetic::circle(1);
-    let row = |wires: &str, level_db, error_mm| BandRow {
-        wires: wires.to_owned(),
-        person: "<typical>".to_owned(),
-        gain: [2.4, 9.0],
+    let band = ReportBand {
+        level_db: [-22.2, 1.0, 10.6],
+        felt: 0.8,
+        error_mm: [0.656, 1.2, 8.4],
+        draws: 1000,
+        effective: 210.4,
+        scene: "sphere-along".to_owned(),
+        evidence: "<mine>".to_owned(),
+    };
+    let state = |state, level_db, error_mm| ReportState {
+        state,
         level_db,
         error_mm,
     };
-    let band = [
-        row("taut", [-22.2, -10.7], Some(0.656)),
-        row("loose", [-0.8, 10.6], None),
-    ];
+    let states = [state("passed", 4.5, Some(0.71)), state("cold", -3.4, None)];
     let extras = ReportExtras {
-        band: &band,
+        band: Some(&band),
+        states: &states,
         ..ReportExtras::default()
     };
     let page = report_html(&trace, &extras);
     sound(&page);
     let table = between(&page, "<h2>Felt band</h2>", "</section>");
-    let level = "<td class=\"num\">-22.2 to -10.7</td><td class=\"num\">0.66</td>";
+    let level =
+        "<td class=\"num\">-22.2</td><td class=\"num\">+1.0</td><td class=\"num\">+10.6</td>";
     assert!(
-        table.contains("from 2.4 to 9") && table.contains(level),
+        table.contains("of which 210 count. 80 % feel it") && table.contains(level),
         "{table}"
     );
-    let taut = "<tr class=\"over\"><td>taut</td><td>&lt;typical&gt;</td>";
-    assert!(table.contains(taut) && table.contains("<tr><td>loose</td>"));
+    assert!(table.contains("(&lt;mine&gt;) allow: 1000 draws") && table.contains("0.7</td>"));
     assert!(page.contains("band -22.2 to +10.6 dB"));
+    let table = between(&page, "<h2>By state</h2>", "</section>");
+    let cold = "<tr class=\"over\"><td>cold</td><td class=\"num\">-3.4</td>";
+    assert!(table.contains(cold) && table.contains("0.71"), "{table}");
+}
+
+#[test]
+fn a_band_that_is_not_computed_says_how() {
+    let extras = ReportExtras {
+        no_band: Some("not computed: hil calibrate a&b"),
+        ..ReportExtras::default()
+    };
+    let page = report_html(&synthetic::circle(1), &extras);
+    sound(&page);
+    let section = between(&page, "<h2>Felt band</h2>", "</section>");
+    assert!(section.contains("<p>not computed: hil calibrate a&amp;b</p>"));
 }
 
 #[test]

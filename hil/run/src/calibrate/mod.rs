@@ -8,23 +8,27 @@ mod marginal;
 mod posterior;
 mod weigh;
 
+pub use crate::band::SCENE;
 pub use draw::Draw;
 pub use posterior::{Drawn, Kinds, Posterior, Spread, percentiles};
+
+use std::collections::BTreeSet;
 
 use palpate_core::physics::{ParameterError, WireParameters};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::Levels;
-use palpate_files::{EvidenceFile, Loaded, Pass, PriorsFile, Quantity, Setup};
+use palpate_files::{
+    BandFile, EvidenceFile, FileKind, Loaded, Pass, PriorsFile, Quantity, Setup, Source, resolve,
+};
 use palpate_records::trace::{PlaceUm, Trace, event};
 
+use crate::band;
 use crate::failure::Failure;
 use crate::policy::refuse_hardware;
 use crate::{Host, Input, Keep, pass, plan, run_with};
 use draw::Draws;
 use weigh::Weights;
 
-/// The scene that every draw plays.
-pub const SCENE: &str = "sphere-along";
 /// Effective sample size from which percentiles are stated.
 pub const ENOUGH: f64 = 200.0;
 /// A level below which nothing moves and no place is felt, dB.
@@ -38,6 +42,11 @@ pub struct Calibration {
     draws: Draws,
     weights: Weights,
     is_identified: bool,
+    seed: u64,
+    /// Digest of all values that the draws go back to.
+    digest: String,
+    /// Wires that the evidence drove, and their alloys.
+    driven: [BTreeSet<String>; 2],
     /// Error of a guess at the middle of the path, RMSE, mm: where no place is felt.
     unplaced_mm: f64,
 }
@@ -50,7 +59,7 @@ impl Calibration {
     /// A bench of hardware or of several displays, and evidence that does not fit the priors.
     pub fn new(
         mut setup: Setup,
-        priors: &PriorsFile,
+        priors: &Loaded<PriorsFile>,
         evidence: &[Loaded<EvidenceFile>],
         is_identified: bool,
         seed: u64,
@@ -63,15 +72,54 @@ impl Calibration {
         }
         setup.pass = Pass::LeftOut;
         let bench_wire = plan::wire(&setup);
+        let driven = driven(evidence);
+        let sources = sources(&priors.source, evidence, &driven)?;
         let nominal = run_with(&setup, &Input::Scene, 1, Keep::default(), &mut ())?;
         Ok(Self {
-            draws: Draws::new(priors, evidence, &bench_wire, seed)?,
+            digest: band::digest(&setup, &sources)?,
+            driven,
+            draws: Draws::new(&priors.value, evidence, &bench_wire, seed)?,
             weights: Weights::new(evidence)?,
             unplaced_mm: unplaced_mm(&nominal.trace),
             bench_wire,
             is_identified,
+            seed,
             setup,
         })
+    }
+
+    /// The file that lets every run on the bench show a posterior of these draws, by `priors` and `evidence`. `found`
+    /// makes the name by which the file finds another one again.
+    pub fn band(
+        &self,
+        posterior: &Posterior,
+        priors: &str,
+        evidence: &[String],
+        found: impl Fn(FileKind, &str) -> String,
+    ) -> BandFile {
+        let name = self.setup.bench.value.name.clone();
+        let [wires, alloys] = &self.driven;
+        let evidence = evidence.iter().map(|name| found(FileKind::Evidence, name));
+        let wires = wires.iter().map(|name| found(FileKind::Wire, name));
+        let alloys = alloys.iter().map(|name| found(FileKind::Alloy, name));
+        BandFile {
+            description: format!("What is felt on bench {name} over all that is not measured"),
+            name,
+            digest: self.digest.clone(),
+            scene: SCENE.to_owned(),
+            law: self.setup.scene.value.illusion.model.name().to_owned(),
+            identified: self.is_identified,
+            priors: found(FileKind::Priors, priors),
+            evidence: evidence.collect(),
+            wires: wires.collect(),
+            alloys: alloys.collect(),
+            seed: self.seed,
+            draws: posterior.draws,
+            effective: posterior.effective,
+            level_db: posterior.after.level_db,
+            felt: posterior.after.felt,
+            error_mm: posterior.after.error_mm,
+        }
     }
 
     /// Figures of the draw of this number: the same in every order and on every number of cores.
@@ -129,6 +177,31 @@ impl Calibration {
         }
         Ok(figures)
     }
+}
+
+/// Names of the wires that evidence drove, and of their alloys.
+fn driven(evidence: &[Loaded<EvidenceFile>]) -> [BTreeSet<String>; 2] {
+    let rows = evidence.iter().flat_map(|file| &file.value.row);
+    let drives = rows.filter_map(|row| row.drive.as_ref());
+    let named = drives.filter_map(|drive| Some((drive.wire.clone()?, drive.alloy().to_owned())));
+    let (wires, alloys) = named.unzip();
+    [wires, alloys]
+}
+
+/// Files of which a band names each, in the order of [`BandFile::named`].
+fn sources(
+    priors: &Source,
+    evidence: &[Loaded<EvidenceFile>],
+    [wires, alloys]: &[BTreeSet<String>; 2],
+) -> Result<Vec<Source>, Failure> {
+    let mut sources = vec![priors.clone()];
+    sources.extend(evidence.iter().map(|file| file.source.clone()));
+    for (kind, names) in [(FileKind::Wire, wires), (FileKind::Alloy, alloys)] {
+        for name in names {
+            sources.push(resolve(kind, name)?);
+        }
+    }
+    Ok(sources)
 }
 
 /// Root mean square distance of the onsets' true places from their middle, mm.

@@ -88,7 +88,7 @@ fn bench() -> Setup {
 }
 
 fn calibration(evidence: &[Loaded<EvidenceFile>]) -> Calibration {
-    let priors = load_priors("default").unwrap().value;
+    let priors = load_priors("default").unwrap();
     Calibration::new(bench(), &priors, evidence, true, 1).unwrap()
 }
 
@@ -131,14 +131,41 @@ fn trace(wire: &WireParameters, tissue: &TissueParameters) -> Vec<Sample> {
     samples
 }
 
-#[test]
-fn a_wire_that_was_identified_narrows_the_band() {
-    let setup = bench();
-    let (assumed, tissue) = (plan::wire(&setup), TissueParameters::DEFAULT);
-    let mut hidden = assumed;
+/// A wire of the default bench that is not what its file says, and the bench's finger.
+fn hidden(setup: &Setup) -> (WireParameters, TissueParameters) {
+    let mut hidden = plan::wire(setup);
     hidden.bias_stress_pa = 13e6;
     hidden.mechanics.transformation_strain = 0.0025;
     hidden.mount.sag_m = 235e-6;
+    (hidden, setup.bench.value.tissue.parameters())
+}
+
+/// The trace whose figures docs/felt.md has; `PALPATE_WRITE_TRACE=1` writes it anew.
+#[test]
+fn the_shipped_trace_is_of_the_hidden_wire() {
+    let (wire, tissue) = hidden(&bench());
+    let mut text = String::from("time_us,current_a,displacement_um\n");
+    for sample in trace(&wire, &tissue) {
+        text += &format!("{},{},{:.3}\n", sample.time_us, sample.amps, sample.value);
+    }
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/traces/hidden.csv"
+    );
+    if std::env::var_os("PALPATE_WRITE_TRACE").is_some() {
+        std::fs::write(path, &text).unwrap();
+    }
+    assert!(
+        std::fs::read_to_string(path).unwrap_or_default() == text,
+        "{path} is out of date: run the tests with PALPATE_WRITE_TRACE=1"
+    );
+}
+
+#[test]
+fn a_wire_that_was_identified_narrows_the_band() {
+    let setup = bench();
+    let assumed = plan::wire(&setup);
+    let (hidden, tissue) = hidden(&setup);
     let subject = Subject {
         wire: assumed,
         tissue,
@@ -178,7 +205,7 @@ fn a_wire_that_was_identified_narrows_the_band() {
 fn a_row_that_no_prior_is_near_is_named() {
     let text = "name = \"a\"\ndescription = \"a\"\n[[row]]\nquantity = \"strain\"\nvalue = 8.0\nunit = \"%\"\ntolerance = [0.1, 0.1]\nsource = \"a\"\n";
     let evidence = Loaded::read(Source::new("mine.toml", text)).unwrap();
-    let priors = load_priors("default").unwrap().value;
+    let priors = load_priors("default").unwrap();
     let refused = Calibration::new(bench(), &priors, &[evidence], true, 1);
     assert_eq!(
         refused.unwrap_err().to_string(),

@@ -60,7 +60,7 @@ impl Weights {
                 bench.rows.push(row);
                 continue;
             }
-            let alloy = drive.alloy.as_deref().unwrap_or("low");
+            let alloy = drive.alloy();
             let wire = drive.wire.as_ref().map(|name| -> Result<_, Failure> {
                 Ok(load_wire(name)?.value.parameters(&load_alloy(alloy)?.value))
             });

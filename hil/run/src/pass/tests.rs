@@ -101,7 +101,7 @@ fn a_run_on_cold_wires_passes_them_before_its_first_moment() {
 #[test]
 fn level_and_error_are_given_for_both_states() {
     let keep = Keep {
-        band: true,
+        spread: true,
         ..Keep::default()
     };
     let outcome = run_with(&cold("sphere-along"), &Input::Scene, 1, keep, &mut ()).unwrap();
@@ -110,13 +110,13 @@ fn level_and_error_are_given_for_both_states() {
     let [passed, cold] = &felt.states[..] else {
         panic!("{:?}", felt.states)
     };
-    assert_eq!([passed.preset, cold.preset], ["passed", "cold"]);
+    assert_eq!([passed.state, cold.state], ["passed", "cold"]);
     // The headline is the run in the state that is assumed.
     let headline = felt.level_db.unwrap().median;
     assert!((passed.level_db - headline).abs() < 2e-3);
     assert_eq!(passed.error_energy_mm, felt.error_energy_mm);
     // Wires that are not passed lose the place: they pass one by one in use.
-    let error = |state: &crate::FeltCorner| state.error_energy_mm.unwrap().rmse;
+    let error = |state: &crate::states::FeltState| state.error_energy_mm.unwrap().rmse;
     assert!(error(cold) > error(passed) + 0.2, "{:?}", felt.states);
 }
 

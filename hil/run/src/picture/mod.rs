@@ -43,8 +43,6 @@ pub struct State {
     pub map: Map,
     /// Word of the cause for which the guard holds everything off; `None` where it does not.
     pub stopped: Option<&'static str>,
-    /// Least and most level of the newest onset over all corners of what is not measured, dB.
-    pub band_db: Option<[f64; 2]>,
     /// The guard and when it was copied; none where its shares are not wanted, or no guard is asked, as of a recording.
     guard: Option<(Guard, Instant)>,
     /// The wires, where their temperatures or totals are wanted and measured.
@@ -58,7 +56,6 @@ impl State {
             now,
             map,
             stopped: None,
-            band_db: None,
             guard: None,
             wires: None,
         }
@@ -118,7 +115,6 @@ impl<D: DisplayEnd> Look<'_, D> {
             now: self.now,
             map: *self.projector.map(),
             stopped: guard.latched().map(Cause::word),
-            band_db: self.display.newest_band_db(),
             guard: wants.readings.then(|| (guard.clone(), self.now)),
             wires: (wants.readings || wants.totals)
                 .then(|| self.display.standing(wants.totals))
@@ -255,7 +251,7 @@ pub struct Felt {
     /// Felt place; null where no wire moved.
     pub at_mm: Option<[f64; 2]>,
     pub level_db: f64,
-    /// Least and most level over all corners of what is not measured, dB.
+    /// Level at 5 and 95 % of all that is not measured of the bench, dB; null where that is not computed.
     pub band_db: Option<[f64; 2]>,
     pub tap: bool,
 }

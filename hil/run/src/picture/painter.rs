@@ -7,6 +7,7 @@ use palpate_records::trace::{Driven, Event, Header, PlaceUm, event};
 
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
+use crate::band::FeltBand;
 
 /// Time between two looks at temperatures and shares of limits, microseconds: a reader sees no more.
 const LOOK_US: u64 = 100_000;
@@ -26,6 +27,8 @@ pub struct Painter {
     /// The scene's touches on shown modules, each with the module's centre, mm.
     touches: Vec<(Touch, [f32; 2])>,
     memory: Memory,
+    /// Level at 5 and 95 % of all that is not measured of the bench, dB.
+    band_db: Option<[f64; 2]>,
     /// Results of the newest looks: temperatures, shares of limits, totals.
     warm: Vec<[f64; 2]>,
     used: Vec<(&'static str, f64)>,
@@ -69,6 +72,7 @@ impl Painter {
             Some((touch.clone(), origin(setup, module)))
         });
         let numbered = modules.iter().enumerate();
+        let band = FeltBand::of(setup);
         Self {
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
             modules: numbered
@@ -82,6 +86,7 @@ impl Painter {
                 driven: Driven::default(),
                 hottest_mc: None,
             },
+            band_db: band.ok().map(|band| [band.level_db[0], band.level_db[2]]),
             warm: Vec::new(),
             used: Vec::new(),
             totals: None,
@@ -169,7 +174,7 @@ impl Painter {
             dropped: 0,
         };
         for event in events {
-            self.add(event, state.band_db, &mut picture);
+            self.add(event, &mut picture);
         }
         picture
     }
@@ -222,7 +227,7 @@ impl Painter {
     }
 
     /// Adds an event to a picture.
-    fn add(&self, event: &Event, band_db: Option<[f64; 2]>, picture: &mut Picture) {
+    fn add(&self, event: &Event, picture: &mut Picture) {
         match event {
             Event::Schedule(entry) => {
                 let wire = self.wire_of(entry.board.0, entry.channel.0);
@@ -247,7 +252,7 @@ impl Painter {
                 inside: onset.inside,
                 at_mm: onset.met.map(|met| mm(met.energy)),
                 level_db: (onset.met).map_or(f64::NAN, |met| f64::from(met.level_mdb) / 1e3),
-                band_db: band_db.filter(|_| onset.met.is_some()),
+                band_db: self.band_db.filter(|_| onset.met.is_some()),
                 tap: onset.met.is_some_and(|met| met.tap),
             }),
             Event::AllOff(off) => {

@@ -14,7 +14,6 @@ pub use current::{banks, converters, with_converters};
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
-pub(crate) use person::on_bench;
 pub use person::{emulated_person, person};
 pub use reaction::{Reaction, reaction};
 pub use response::Responses;
@@ -123,19 +122,28 @@ fn board(buses: &[Vec<u8>], output: &palpate_files::Output) -> Board {
     Board((before + place.unwrap_or(0)) as u8) // at most 16
 }
 
+/// Refuses a bench of several displays.
+///
+/// # Errors
+/// [`Failure::File`] with the line of its displays.
+pub fn one_display(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Result<(), Failure> {
+    let displays = &bench.value.displays;
+    if displays.is_empty() {
+        return Ok(());
+    }
+    let expected = "one display: only `hil run` and `hil test` drive several";
+    let found = format!("{} displays", displays.len());
+    Err(Failure::File(
+        bench.source.bad_found("displays", expected, found),
+    ))
+}
+
 /// The display's wires with the outputs that drive them.
 ///
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
-    if !setup.bench.value.displays.is_empty() {
-        let expected = "one display: only `hil run` and `hil test` drive several";
-        return Err(Failure::File(setup.bench.source.bad_found(
-            "displays",
-            expected,
-            format!("{} displays", setup.bench.value.displays.len()),
-        )));
-    }
+    one_display(&setup.bench)?;
     let buses = buses(&setup.bench.value);
     let outputs = &setup.bench.value.outputs;
     display_of(&setup.display.value, |wire| {

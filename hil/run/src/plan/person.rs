@@ -36,7 +36,7 @@ pub fn emulated_person(setup: &Setup) -> Person {
 }
 
 /// Person of a file with a bench's wires on the finger.
-pub(crate) fn on_bench(file: &PersonFile, setup: &Setup) -> Person {
+fn on_bench(file: &PersonFile, setup: &Setup) -> Person {
     let tissue = setup.bench.value.tissue.parameters();
     person(file, &super::wire(setup), &tissue)
 }

@@ -16,6 +16,7 @@ use palpate_records::trace::{Event, Header, Ledger};
 use super::shared::{Pads, Shared};
 use super::{HALF, Run, part};
 use crate::actuator_bus::ActuatorBus;
+use crate::band::FeltBand;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -79,8 +80,8 @@ impl<'a> Finger<'a> {
         };
         let header = header(setup, run.seed, &projector)?;
         recorder.felt = keep.summary.then(|| FeltPath::new(&header));
-        if keep.band {
-            display.compare(setup, &header, true)?;
+        if keep.spread {
+            display.compare(setup, &header);
         }
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         // The frames of a stream would be timed with the wait for their readings.
@@ -255,7 +256,13 @@ impl<'a> Finger<'a> {
             summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
         }
         let known = summary.path_error_mm.is_some();
-        summary.felt.band = display.band(known);
+        // A band is of one display.
+        if self.run.keep.spread && self.place.name.is_none() {
+            match FeltBand::of(setup) {
+                Ok(band) => summary.felt.band = Some(band),
+                Err(why) => summary.felt.no_band = Some(why),
+            }
+        }
         summary.felt.states = display.states(known);
         summary.felt.state = Some(pass::state_of(setup));
         Ok(Outcome {

@@ -1,0 +1,106 @@
+//! The run through wires in either state: those of the bench as they began, and the same wires in the other state.
+//!
+//! Heat moves phases, so the other wires are emulated beside, and the same currents flow through them.
+
+use palpate_core::physics::{History, WireParameters, WireState};
+use palpate_emulators::person::channels::Felt;
+use palpate_emulators::worn::WornDisplay;
+use palpate_files::Setup;
+use palpate_records::felt::FeltPath;
+use palpate_records::trace::{Event, Header};
+use serde::Serialize;
+
+use crate::path_error::PathError;
+use crate::plan;
+
+/// Figures of a run in each state of its wires, onset by onset.
+pub(crate) struct States {
+    own: Path,
+    /// `None` where the model has no rest for wires in the other state.
+    other: Option<Path>,
+}
+
+/// Felt path of one state.
+struct Path {
+    state: &'static str,
+    felt: FeltPath,
+}
+
+/// Figures of a run in one state of its wires.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct FeltState {
+    /// State in which the wires began, `cold` or `passed`.
+    pub state: &'static str,
+    /// Median level over the onsets with a contact inside the display, dB.
+    pub level_db: f64,
+    pub error_energy_mm: Option<PathError>,
+    pub error_amplitude_mm: Option<PathError>,
+}
+
+impl States {
+    /// Both states of a setup's wires. Those in the other state are put beside the display's own.
+    pub fn new(setup: &Setup, header: &Header, display: &mut WornDisplay) -> Self {
+        let wire = plan::wire(setup);
+        let history = wire.history;
+        let path = |state| Path {
+            state: match state {
+                WireState::Cold => "cold",
+                WireState::Passed => "passed",
+            },
+            felt: FeltPath::new(header),
+        };
+        let state = match history.state {
+            WireState::Cold => WireState::Passed,
+            WireState::Passed => WireState::Cold,
+        };
+        let turned = WireParameters {
+            history: History {
+                state,
+                coldest_c: None,
+                ..history
+            },
+            ..wire
+        };
+        let person = plan::emulated_person(setup);
+        let is_known = display.compare(&turned, person).is_ok();
+        Self {
+            own: path(history.state),
+            other: is_known.then(|| path(state)),
+        }
+    }
+
+    /// Adds an onset that is over. `event` makes the onset's event from a sensation; `own` is the sensation by the bench's
+    /// wires, `other` the one by the wires beside.
+    pub fn add(
+        &mut self,
+        event: impl Fn(Option<&Felt>) -> Event,
+        own: Option<&Felt>,
+        other: Option<&Felt>,
+    ) {
+        self.own.felt.add(&event(own));
+        if let Some(path) = &mut self.other {
+            path.felt.add(&event(other));
+        }
+    }
+
+    /// Figures of both states; `known` where the run has a true path. Empty where no contact was inside the display.
+    pub fn finish(&self, known: bool) -> Vec<FeltState> {
+        let paths = std::iter::once(&self.own).chain(&self.other);
+        paths.filter_map(|path| path.finish(known)).collect()
+    }
+}
+
+impl Path {
+    fn finish(&self, known: bool) -> Option<FeltState> {
+        let scores = self.felt.scores();
+        let [energy, amplitude] =
+            scores.map(|score| score.errors.filter(|_| known).map(PathError::from));
+        Some(FeltState {
+            state: self.state,
+            level_db: f64::from(self.felt.level()?.median_mdb) * 1e-3,
+            error_energy_mm: energy,
+            error_amplitude_mm: amplitude,
+        })
+    }
+}
