@@ -52,6 +52,8 @@ pub struct Baseline {
     unrest: u32,
     /// True if a module is starting over.
     restarting: bool,
+    /// True while modules start over because they were asked to, and not because they were moved.
+    rezeroed: bool,
     rest: Option<Rest>,
     active: Vec<bool>,
     usable: Vec<bool>,
@@ -79,6 +81,7 @@ impl Baseline {
             restless: alloc::vec![0; of_modules],
             unrest: 0,
             restarting: false,
+            rezeroed: false,
             rest: settings
                 .drift
                 .map(|constant| Rest::new(layout.starts(), constant)),
@@ -160,6 +163,7 @@ impl Baseline {
     /// Takes the reference of every module anew, from the next frame on; nothing is in contact until they have it.
     pub fn rezero(&mut self) {
         (0..self.missing.len()).for_each(|module| self.restart(module));
+        self.rezeroed = self.restarting;
     }
 
     /// Begins a module's reference with its next scan.
@@ -259,7 +263,10 @@ impl Baseline {
             }
         }
         self.restarting = self.missing.iter().any(|n| *n > 0);
-        self.unrest = self.unrest.saturating_add(u32::from(self.restarting));
+        let was_asked = self.rezeroed && self.restless.iter().all(|n| *n == 0);
+        let moved = self.restarting && !was_asked;
+        self.unrest = self.unrest.saturating_add(u32::from(moved));
+        self.rezeroed &= self.restarting;
     }
 
     fn mark_faulty(&mut self, scan: &Scan) {
@@ -445,7 +452,7 @@ impl Baseline {
     pub fn follows_drift(&self) -> bool {
         self.settings.drift.is_some()
     }
-    /// Frames in which a module had no reference because its skin was not at rest, or because it was begun anew.
+    /// Frames in which a module had no reference because its skin was not at rest.
     pub const fn unrest(&self) -> u32 {
         self.unrest
     }

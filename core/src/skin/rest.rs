@@ -1,6 +1,7 @@
 //! The rest of the skin as a state: how the reference goes on once it was found, and which taxels are touched.
 //!
-//! A module's untouched taxels say how all of it drifts, and the touched ones follow that with their own gain. A touch
+//! A module's untouched taxels say how all of it drifts, and the touched ones follow that with their own gain. Where none
+//! is untouched the drift goes on as it was, and is trusted less with time. A touch
 //! begins above the threshold and ends below a lower limit, and strong touches leave something behind for a while.
 //! Pressing raises the normal reading, so a reading below its reference is no touch: the reference was too high.
 
@@ -27,6 +28,8 @@ const FADE_S: f32 = 1.0;
 const QUICK_S: f32 = 0.2;
 /// Time constant of a module's common rate, s.
 const RATE_S: f32 = 1.5;
+/// Time constant with which that rate is trusted while no taxel shows the drift, s.
+const TRUSTED_S: f32 = 20.0;
 /// Steepest common drift, counts per second.
 const STEEPEST: f32 = 60.0;
 /// Largest common step that is no touch, counts, and its growth while no taxel is known to be untouched.
@@ -49,6 +52,10 @@ const CONTRADICTS: f32 = 0.3;
 const WRONG_S: f32 = 0.3;
 /// Least share of a touch's largest value that a taxel beside it feels.
 const SPREADS: f32 = 0.2;
+/// Rank of the taxel that speaks for a module, as a share: the median at rest, and a little less beside a touch, which
+/// raises its neighbours.
+const MIDDLE: f32 = 0.5;
+const BESIDE: f32 = 0.45;
 /// Taxels that a module's median is taken of at most.
 const SAMPLE: usize = 64;
 /// Fewest untouched taxels that speak for a module.
@@ -217,7 +224,7 @@ impl Rest {
             if range.len() <= SPEAKERS || !(is_wide || has_ended) {
                 continue;
             }
-            let common = self.median(reference, frame, range.clone(), |_, _| true);
+            let common = self.common_away(reference, frame, range.clone(), (MIDDLE, |_, _| true));
             let Some(common) = common else { continue };
             let size = norm(common);
             let of = &mut self.modules[m];
@@ -352,8 +359,9 @@ impl Rest {
         let range = self.modules[m].range.clone();
         let rests = |s: &Self, i: usize| !s.touched[i] && frame.magnitude()[i] <= s.base[i];
         let most = STEEPEST * dt;
+        let rank = if self.modules[m].open { BESIDE } else { MIDDLE };
         let common = match range.len() > SPEAKERS {
-            true => self.median(reference, frame, range, rests),
+            true => self.common_away(reference, frame, range, (rank, rests)),
             false => Some([0.0; 3]),
         };
         let of = &mut self.modules[m];
@@ -361,7 +369,13 @@ impl Rest {
             Some(_) => (of.unknown_s + dt).min(0.0),
             None => of.unknown_s + dt,
         };
-        let common = common.unwrap_or([0.0; 3]);
+        let Some(common) = common else {
+            of.rate = of.rate.map(|rate| rate * (1.0 - dt / TRUSTED_S));
+            let drifts = |rate: f32| libm::fabsf(rate) > SLOWEST;
+            return of
+                .rate
+                .map(|rate| if drifts(rate) { rate * dt } else { 0.0 });
+        };
         let common = common.map(|c| c.clamp(-most, most));
         for (rate, c) in of.rate.iter_mut().zip(common) {
             *rate += (c / dt - *rate) * (dt / RATE_S);
@@ -445,13 +459,14 @@ impl Rest {
         }
     }
 
-    /// Median distance from the reference along every axis, of some of a module's taxels; `None` where too few speak.
-    fn median(
+    /// Distance from the reference along every axis that a module's taxels have in common: of some of them, the one of a
+    /// rank along z and the median along x and y. `None` where too few speak.
+    fn common_away(
         &mut self,
         reference: &Reference,
         frame: &RelativeFrame,
         range: Range<usize>,
-        speaks: impl Fn(&Self, usize) -> bool,
+        (rank, speaks): (f32, impl Fn(&Self, usize) -> bool),
     ) -> Option<[f32; 3]> {
         let stride = range.len().div_ceil(SAMPLE).max(1);
         let mut common = [0.0; 3];
@@ -464,8 +479,9 @@ impl Rest {
             sample.extend(taxels.map(|i| reference.away(i, frame.counts()[i])[axis]));
             enough &= sample.len() >= SPEAKERS;
             if enough {
-                let middle = sample.len() / 2;
-                *common = *sample.select_nth_unstable_by(middle, f32::total_cmp).1;
+                let rank = if axis == 2 { rank } else { MIDDLE };
+                let nth = (rank * sample.len() as f32) as usize; // below the length: a rank is below 1
+                *common = *sample.select_nth_unstable_by(nth, f32::total_cmp).1;
             }
         }
         self.sample = sample;

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::error::FileError;
 use super::module::{SkinModule, places};
+use super::pace::USUAL_BITRATE;
 use super::resolve::{FileKind, resolve_from};
 use super::settings::bounds;
 use super::source::Source;
@@ -58,6 +59,9 @@ pub struct SensorLayout {
     /// Axes of a taxel, 1 (normal only) or 3.
     #[serde(default = "three")]
     pub axes: u8,
+    /// Bits per second of its CAN buses.
+    #[serde(default = "usual_bitrate")]
+    pub bitrate: u32,
     /// The image that all modules together make, where they make one; cells without a taxel read as faulty.
     pub image: Option<ImageSize>,
     /// Modules of the skin; readings come in their order.
@@ -70,6 +74,10 @@ const fn magnetic() -> Transducer {
 
 const fn three() -> u8 {
     3
+}
+
+const fn usual_bitrate() -> u32 {
+    USUAL_BITRATE
 }
 
 /// Rows and columns of an image of taxels.
@@ -133,6 +141,9 @@ impl SensorLayout {
         }
         if self.transducer == Transducer::Cells && self.axes != 3 {
             return Err(source.bad("axes", "3: a cell's three modalities"));
+        }
+        if !(10_000..=1_000_000).contains(&self.bitrate) {
+            return Err(source.bad("bitrate", "10000 to 1000000 bits per second, as CAN has"));
         }
         if self.modules.is_empty() {
             return Err(source.bad("modules", "at least one module"));

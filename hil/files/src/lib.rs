@@ -114,7 +114,7 @@ pub use near::{did_you_mean, nearest};
 pub use number::Number;
 pub use overrides::Overrides;
 pub use own_bench::DEFAULT_BENCH;
-pub use pace::Pace;
+pub use pace::{Pace, USUAL_BITRATE};
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
 pub use priors::{Prior, PriorEntry, PriorsFile};

@@ -5,7 +5,7 @@
 use palpate_core::statistics::quantile;
 
 /// Bits per second of a bus whose layout states none.
-const BITRATE: u32 = 1_000_000;
+pub const USUAL_BITRATE: u32 = 1_000_000;
 /// Bits around the data of a classic frame with a short identifier, before any is stuffed.
 const AROUND: u32 = 47;
 /// Time for which frames may come faster than the bus carries them: bursts of an adapter, s.
@@ -18,8 +18,10 @@ const SLOWEST_US: u64 = 2_000_000;
 const STEPS: usize = 256;
 
 /// Follows the times of what a recording has one after another.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Pace {
+    /// Bits per second that each bus carries.
+    bitrate: u32,
     newest_us: Option<u64>,
     oldest_us: u64,
     count: u64,
@@ -31,6 +33,20 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// A recording of buses that carry `bitrate` bits per second, before its first frame.
+    #[must_use]
+    pub const fn new(bitrate: u32) -> Self {
+        Self {
+            bitrate,
+            newest_us: None,
+            oldest_us: 0,
+            count: 0,
+            waiting: Vec::new(),
+            first: None,
+            steps: Vec::new(),
+        }
+    }
+
     /// Takes a frame of a bus.
     ///
     /// # Errors
@@ -52,21 +68,21 @@ impl Pace {
             self.waiting.resize(bus + 1, (0.0, us));
         }
         let (bits, before) = &mut self.waiting[bus];
-        let carried = us.saturating_sub(*before) as f64 * 1e-6 * f64::from(BITRATE);
+        let carried = us.saturating_sub(*before) as f64 * 1e-6 * f64::from(self.bitrate);
         let own = AROUND + 8 * u32::try_from(length).unwrap_or(8);
         *bits = (*bits - carried).max(0.0) + f64::from(own);
         *before = us.max(*before);
-        if *bits <= f64::from(BITRATE) * BURST_S {
+        if *bits <= f64::from(self.bitrate) * BURST_S {
             return Ok(());
         }
         let span = self.newest_us.unwrap_or(us) - self.oldest_us;
         Err(match span {
             0 => format!("{} frames of one instant, {us} us", self.count),
             span => format!(
-                "{} frames in {:.6} s, which a bus of {} kbit/s does not carry: times are differences, or of another unit",
+                "{} frames in {:.6} s, which a bus of {} kbit/s (`bitrate` of the layout, or 1000) does not carry: times are differences, or of another unit",
                 self.count,
                 span as f64 * 1e-6,
-                BITRATE / 1000
+                self.bitrate / 1000
             ),
         })
     }

@@ -186,6 +186,8 @@ pub struct Times {
     same: u32,
     /// First distances, microseconds: their median is the usual one.
     steps: Vec<u64>,
+    /// Microseconds to add to the times of each bus, in the order in which buses come.
+    clocks: Vec<i128>,
     notes: Vec<String>,
 }
 
@@ -240,6 +242,40 @@ impl Times {
     /// The errors of [`Times::row`].
     pub fn coarse_row(&mut self, place: &str, us: u64) -> Result<u64, OutOfTime> {
         self.next(place, us, Some(0))
+    }
+
+    /// The time of the next frame of a bus, by its number in the order in which buses come, and its name. A later bus whose
+    /// first frame is far from the newest one has a clock of its own.
+    ///
+    /// # Errors
+    /// The errors of [`Times::frame`], and a clock of its own where jumps are not taken out.
+    pub fn frame_of(
+        &mut self,
+        place: &str,
+        (bus, name): (usize, &str),
+        us: u64,
+    ) -> Result<u64, OutOfTime> {
+        if bus >= self.clocks.len() {
+            let newest = self.last.map(i128::from);
+            let by = newest.map_or(0, |newest| i128::from(us) + self.shift - newest);
+            let is_apart = by > i128::from(JUMP_US) || by < -i128::from(DISORDER_US);
+            let own = is_apart && !self.clocks.is_empty();
+            let found = || format!("a clock of its own of `{name}`, {}", apart(by));
+            if own && !self.split {
+                return Err(OutOfTime {
+                    expected: "one clock for all buses (--split-jumps puts the first frame of each bus at the newest one of the others)".into(),
+                    found: Some(found()),
+                });
+            }
+            if own {
+                let note = "its first frame is put at the newest one of the others";
+                self.notes.push(format!("{place}: {}: {note}", found()));
+            }
+            self.clocks.resize(bus + 1, 0);
+            self.clocks[bus] = if own { -by } else { 0 };
+        }
+        let us = i128::from(us) + self.clocks[bus];
+        self.frame(place, u64::try_from(us).unwrap_or(0))
     }
 
     /// The time of the next frame, which may be a little earlier than the one before.
@@ -356,9 +392,14 @@ impl Times {
 }
 
 fn jump(by: i128) -> String {
+    format!("a jump of the clock, {}", apart(by))
+}
+
+/// Words for a distance between clocks.
+fn apart(by: i128) -> String {
     let us = u64::try_from(by.unsigned_abs()).unwrap_or(u64::MAX);
     let way = if by < 0 { "back" } else { "ahead" };
-    format!("a jump of the clock, {} {way}", length(us))
+    format!("{} {way}", length(us))
 }
 
 #[cfg(test)]

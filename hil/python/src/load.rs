@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate_files::{Format, LayoutFile, Timing, format_of, load_layout, read_text};
+use palpate_files::{Format, LayoutFile, Timing, USUAL_BITRATE, format_of, load_layout, read_text};
 use palpate_hil::command::rate_of;
 use palpate_live::recording::{Reading, read_can_recording, recorded};
 use palpate_records::schedule::read_schedule;
@@ -89,7 +89,7 @@ pub fn load_taxels<'py>(
 #[pyfunction]
 pub fn load_buses(py: Python<'_>, path: PathBuf) -> PyResult<(Table, Vec<String>)> {
     free(py, || {
-        let recording = read_can_recording(&path, BUSES, false)?;
+        let recording = read_can_recording(&path, (BUSES, USUAL_BITRATE), false)?;
         let frames: Result<Vec<_>, Failure> = recording.frames.frames()?.collect();
         let frames = frames?;
         let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();

@@ -60,6 +60,26 @@ def test_forces_are_felt_through_the_emulated_skin() -> None:
         assert len(loop.advance(1_300_000).contacts) == 0
 
 
+def test_the_skin_is_zeroed_at_rest_and_under_a_touch_only_when_forced() -> None:
+    def played(rows: np.ndarray[tuple[int, ...], np.dtype[np.uint16]]) -> list[int]:
+        return [len(loop.push(loop.time_us + 10_000, counts).contacts) for counts in rows]
+
+    def said(step: palpate.Step) -> list[str]:
+        return [str(text) for text in step.events["text"]]
+
+    # Recordings without a scene follow drift: their reference is a state that can be taken anew.
+    loop = palpate.Loop("uskin-4x4")
+    assert sum(played(still())) == 0
+    assert played(pressed(5, 20))[-1] == 1
+    refused = said(loop.rezero())
+    assert any(text.startswith("rezero: ") and "taken anew" not in text for text in refused)
+    assert played(pressed(5, 20))[-1] == 1
+    taken = said(loop.rezero(forced=True))
+    assert "rezero: the reference of the skin is taken anew" in taken
+    # What presses now is rest, and another taxel is a contact.
+    assert sum(played(pressed(5, 80))[40:]) == 0
+
+
 def test_two_loops_say_the_same() -> None:
     def play() -> list[bytes]:
         loop = palpate.Loop("uskin-4x4", seed=3)

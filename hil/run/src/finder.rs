@@ -23,6 +23,18 @@ pub struct Search {
     pub skips_repeats: bool,
 }
 
+/// Remarks on a skin that was not at rest while its reference was taken: rows without a reference, and references that
+/// readings fell below.
+pub(crate) fn not_at_rest(rows: u32, touched: u32) -> Vec<String> {
+    let moved = (rows > 0).then(|| format!(
+        "reference not at rest: the skin was moved in {rows} more rows, and nothing is known of touches in them"
+    ));
+    let touched = (touched > 0).then(|| format!(
+        "reference not at rest: {touched} times readings fell below it, so that it was touched when it was taken; contacts before may be missing or misplaced"
+    ));
+    moved.into_iter().chain(touched).collect()
+}
+
 /// Finds the contacts of one row after another.
 #[derive(Debug)]
 pub struct Finder {
@@ -84,20 +96,8 @@ impl Finder {
     /// Remarks on the skin so far: rows without a reference, a reference that was taken touched, taxels left out.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
         let baseline = self.sense.baseline();
-        if baseline.unrest() > 0 {
-            notes.push(format!(
-                "reference not at rest: the skin was moved in {} more rows, and nothing is known of touches in them",
-                baseline.unrest()
-            ));
-        }
-        if baseline.taken_touched() > 0 {
-            notes.push(format!(
-                "reference not at rest: {} times readings fell below it, so that it was touched when it was taken; contacts before may be missing or misplaced",
-                baseline.taken_touched()
-            ));
-        }
+        let mut notes = not_at_rest(baseline.unrest(), baseline.taken_touched());
         let word = |condition: Condition| match condition {
             Condition::Dead => "was not received",
             Condition::Frozen => "stood still",

@@ -92,6 +92,12 @@ pub struct Taxels {
     pub foreign: u64,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
+    /// Rows in which a module had no reference because the skin was moved; the verdict says it.
+    #[serde(skip)]
+    pub rows_not_at_rest: u32,
+    /// References that readings fell below, so that they were taken touched; the verdict says it.
+    #[serde(skip)]
+    pub taken_touched: u32,
     /// Every taxel that was ill when the run ended, and left out.
     pub ill: Vec<IllTaxel>,
     /// Rate of change of every taxel that is read, Hz, by module.
@@ -119,6 +125,8 @@ impl Taxels {
             sum.dead += part.dead;
             sum.saturated += part.saturated;
             sum.jumping += part.jumping;
+            sum.rows_not_at_rest += part.rows_not_at_rest;
+            sum.taken_touched += part.taken_touched;
             (sum.foreign, sum.never_seen) = (part.foreign, sum.never_seen + part.never_seen);
             sum.ill.extend(part.ill.iter().cloned());
             let each = part.refresh_each_hz.iter().cloned();
@@ -142,6 +150,8 @@ impl Taxels {
     /// Fills in what is known of every single taxel at `now`.
     fn list(&mut self, projector: &Projector, now: Instant, foreign: u64) {
         self.foreign = foreign;
+        self.rows_not_at_rest = projector.baseline().unrest();
+        self.taken_touched = projector.baseline().taken_touched();
         let (layout, monitor) = (projector.layout(), projector.monitor());
         for (module, m) in layout.modules().iter().enumerate() {
             let mut rates = Vec::new();

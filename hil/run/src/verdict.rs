@@ -7,6 +7,7 @@ use palpate_records::model;
 use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::{Conclusion, Verdict};
 
+use crate::finder::not_at_rest;
 use crate::summary::Summary;
 use crate::summary_felt::AskedLevel;
 use crate::{Failure, Outcome};
@@ -41,6 +42,10 @@ impl Outcome {
         if scene.faults.is_empty() {
             missing(summary, &mut conclusion);
             unheard(summary, scene, replayed, &mut conclusion);
+        }
+        let taxels = &summary.taxels;
+        for text in not_at_rest(taxels.rows_not_at_rest, taxels.taken_touched) {
+            conclusion.add(Verdict::Ok, text);
         }
         if summary.frames_not_recorded > 0 {
             let lost = summary.frames_not_recorded;

@@ -398,3 +398,48 @@ fn bad_options_are_refused() {
     .concat();
     refused_with(&long, &["recording.csv", "at least 31 rows", "found 30"]);
 }
+
+/// Whether the program's remarks on a recording say that the reference was not at rest, by `hil contacts` and `hil run`.
+fn says_not_at_rest(file: &str) -> [bool; 2] {
+    let said = [
+        hil(&["contacts", file, "--layout", "uskin-4x4"]).err,
+        hil(&["run", "--replay", file, "--layout", "uskin-4x4"]).out,
+    ];
+    said.map(|text| {
+        text.replace("\n    ", " ")
+            .contains("reference not at rest")
+    })
+}
+
+#[test]
+fn a_run_says_as_contacts_do_that_the_skin_was_not_at_rest() {
+    let folder = Folder::new("not-at-rest");
+    let write = |name: &str, force: &dyn Fn(usize) -> u16| {
+        let rows = (0..400).map(|row| {
+            let pressed = [5, 6, 9].map(|taxel| 3 * taxel + 2);
+            let mut counts = pad(row % 20, 0);
+            pressed.into_iter().for_each(|i| counts[i] += force(row));
+            counts
+        });
+        let timed: String =
+            csv(16, rows)
+                .lines()
+                .enumerate()
+                .fold(String::new(), |all, (row, line)| match row {
+                    0 => format!("time_us,{line}\n"),
+                    _ => format!("{all}{},{line}\n", 10_000 * row),
+                });
+        folder.write(name, &timed).display().to_string()
+    };
+    let rested = write("rested.csv", &|row| {
+        600 * u16::from((200..300).contains(&row))
+    });
+    assert_eq!(says_not_at_rest(&rested), [false, false]);
+    let moved = write("moved.csv", &|row| match row {
+        0..80 => (row % 16) as u16 * 60,
+        row => 600 * u16::from((200..300).contains(&row)),
+    });
+    assert_eq!(says_not_at_rest(&moved), [true, true]);
+    let touched = write("touched.csv", &|row| 600 * u16::from(row < 150));
+    assert_eq!(says_not_at_rest(&touched), [true, true]);
+}

@@ -8,6 +8,7 @@ use palpate_buses::can::Endpoint;
 use super::*;
 use crate::output::Outputs;
 use crate::recording::read_can_recording;
+use palpate_files::USUAL_BITRATE;
 
 /// What comes over a bus is in the files, with times of the wall clock, and can be read again.
 #[test]
@@ -42,8 +43,8 @@ fn a_bus_is_recorded_in_both_formats() {
         text.starts_with("(1700000000.") && text.contains(" test0 004#"),
         "{text}"
     );
-    let log = read_can_recording(&files[0].1, 1, false).unwrap();
-    let mcap = read_can_recording(&files[1].1, 1, false).unwrap();
+    let log = read_can_recording(&files[0].1, (1, USUAL_BITRATE), false).unwrap();
+    let mcap = read_can_recording(&files[1].1, (1, USUAL_BITRATE), false).unwrap();
     let frames = |source: &crate::recording::CanRecording| -> Vec<Received> {
         let frames = source.frames.frames().unwrap();
         frames.map(Result::unwrap).collect()

@@ -50,7 +50,7 @@ pub fn is_can_recording(path: &Path) -> bool {
     }
 }
 
-/// Reads a log or an MCAP file of at most `buses` buses. The interfaces of a log in the order of their names
+/// Reads a log or an MCAP file of at most so many buses, which carry so many bits per second. The interfaces of a log in the order of their names
 /// are buses 0, 1, ...; time zero is the whole second of the first frame, so that a log of ours keeps its times
 /// and one of a wall clock starts within its first second. An MCAP file of a run says its buses and times
 /// itself. A file that was cut short gives what it holds, with a note. Jumps of the clock are taken out where
@@ -61,7 +61,7 @@ pub fn is_can_recording(path: &Path) -> bool {
 /// a stream of more than 4 million frames.
 pub fn read_can_recording(
     path: &Path,
-    buses: usize,
+    buses: (usize, u32),
     split_jumps: bool,
 ) -> Result<CanRecording, FileError> {
     let _shown = Progress::reading(path);

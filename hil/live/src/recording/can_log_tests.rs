@@ -1,6 +1,6 @@
 //! Tests of `can_log.rs`.
 
-use palpate_files::{LONGEST_LINE, Lines, Text, Times};
+use palpate_files::{LONGEST_LINE, Lines, Text, Times, USUAL_BITRATE};
 
 use super::super::pass::Log;
 use super::*;
@@ -18,7 +18,7 @@ fn log(text: &str, buses: usize) -> Result<Seen, FileError> {
 fn seen(text: &str, buses: usize, times: Times) -> Result<Seen, FileError> {
     let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST_LINE));
     let pass = Pass::Log(Log::new(lines, times));
-    let (mut through, _, notes) = pass.through(buses, 100, false)?;
+    let (mut through, _, notes) = pass.through((buses, USUAL_BITRATE), 100, false)?;
     let mut frames = through.held.take().unwrap();
     frames.iter_mut().for_each(|f| through.start.place(f));
     Ok(Seen { frames, notes })
@@ -112,6 +112,34 @@ fn a_clock_that_jumps_is_named_by_its_line() {
     );
 }
 
+/// Two adapters stamp frames by the time since each was plugged in.
+#[test]
+fn a_bus_with_a_clock_of_its_own_is_named_and_put_beside_the_others() {
+    let text = "(12.000000) can0 104#00\n(7212.000100) can1 204#00\n(12.010000) can0 104#01\n(7212.010100) can1 204#01\n";
+    let said = log(text, 2).unwrap_err().to_string();
+    assert!(
+        said.starts_with("a.log:2: expected one clock for all buses (--split-jumps"),
+        "{said}"
+    );
+    assert!(
+        said.ends_with("found a clock of its own of `can1`, 2.0 hours ahead"),
+        "{said}"
+    );
+    let read = seen(text, 2, Times::new(true)).unwrap();
+    let at: Vec<_> = read
+        .frames
+        .iter()
+        .map(|r| (r.at.as_micros(), r.bus))
+        .collect();
+    assert_eq!(at, [(0, 0), (0, 1), (10_000, 0), (10_000, 1)]);
+    assert_eq!(
+        read.notes,
+        [
+            "a.log:2: a clock of its own of `can1`, 2.0 hours ahead: its first frame is put at the newest one of the others"
+        ]
+    );
+}
+
 /// Frames of several buses are a little out of order; a long recording plays them like a held one.
 #[test]
 fn a_long_recording_plays_the_same_frames_in_the_same_order() {
@@ -122,9 +150,9 @@ fn a_long_recording_plays_the_same_frames_in_the_same_order() {
         format!("({s}.{us:06}) can{} 104#{n:04X}\n", 1 + n % 2)
     };
     std::fs::write(&path, (0..5000).map(line).collect::<String>()).unwrap();
-    let held = read_can_recording(&path, 2, false).unwrap();
+    let held = read_can_recording(&path, (2, USUAL_BITRATE), false).unwrap();
     let pass = Pass::open(&path, false).unwrap();
-    let (through, ..) = pass.through(2, 100, false).unwrap();
+    let (through, ..) = pass.through((2, USUAL_BITRATE), 100, false).unwrap();
     assert!(through.held.is_none());
     let long = LongRecording {
         path: path.clone(),

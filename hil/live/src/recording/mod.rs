@@ -54,7 +54,8 @@ pub fn recorded(
             )));
         }
         let split = reading.timing.split_jumps;
-        let recording = read_can_recording(log, buses.unwrap_or(0), split)?;
+        let of = (buses.unwrap_or(0), file.bitrate);
+        let recording = read_can_recording(log, of, split)?;
         return Ok((Input::Frames(recording.frames), recording.notes));
     }
     if paths.len() != file.modules.len() || (reading.recipe.is_some() && paths.len() > 1) {

@@ -95,7 +95,7 @@ impl<R: Read> Pass<R> {
     /// Reads all of it, and holds up to `most` frames. Returns the interfaces and the remarks on the file, too.
     pub(super) fn through(
         mut self,
-        buses: usize,
+        (buses, bitrate): (usize, u32),
         most: usize,
         is_stream: bool,
     ) -> Result<(Through, Vec<String>, Vec<String>), FileError> {
@@ -103,7 +103,7 @@ impl<R: Read> Pass<R> {
             held: Some(Vec::new()),
             ..Through::default()
         };
-        let mut pace = Pace::default();
+        let mut pace = Pace::new(bitrate);
         let cannot_be = |label: &str, found| {
             let expected = "times as frames came (candump -l, microseconds since 1970)";
             FileError::whole(label, expected, found)
@@ -263,8 +263,6 @@ impl<R: Read> Log<R> {
             match candump::read_line(line) {
                 Ok(candump::Line::Frame(logged)) => {
                     let us = logged.at.as_micros();
-                    let time = self.times.frame(&format!("{label}:{number}"), us);
-                    let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
                     let known = self.names.iter().position(|n| *n == logged.interface);
                     let bus = known.unwrap_or_else(|| {
                         self.names.push(logged.interface);
@@ -273,6 +271,9 @@ impl<R: Read> Log<R> {
                     let Ok(bus) = u8::try_from(bus) else {
                         return Err(too_many(&label, 256, "more".into()));
                     };
+                    let named = (usize::from(bus), self.names[usize::from(bus)].as_str());
+                    let time = self.times.frame_of(&format!("{label}:{number}"), named, us);
+                    let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
                     self.count += 1;
                     return Ok(Some(Received {
                         at: Instant::from_micros(time),
