@@ -334,6 +334,9 @@ pub struct RunArgs {
     /// on, or the only ones of that number).
     #[arg(long, value_name = "PREFIX", requires = "replay")]
     pub columns: Option<String>,
+    /// The topic whose messages are rows, in an MCAP file of another program (default: the one with the most numbers).
+    #[arg(long, value_name = "TOPIC", requires = "replay")]
+    pub topic: Option<String>,
     /// Counts per unit and at 0, where the recording has values in another unit (`100:32768`).
     #[arg(
         long,
