@@ -153,7 +153,10 @@ fn a_recipe_says_how_the_texture_encoder_reads() {
         vec![&*file, "--recipe", &*recipe],
     ] {
         let args = [&["texture", "encode", &model][..], &read].concat();
-        assert_eq!(good(&args), expected, "{args:?}");
+        let said = hil(&args);
+        assert_eq!((said.status, &said.out), (Some(0), &expected), "{args:?}");
+        let is_noted = said.err.contains("read by the recipe");
+        assert_eq!(is_noted, read == [&*file], "{}", said.err);
     }
     folder.write("strip.toml", &STRIP.replace("columns = 5", "columns = 4"));
     let four = STROKE.replace(", \"e\"", "");
