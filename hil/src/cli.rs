@@ -335,6 +335,9 @@ pub struct RunArgs {
     /// on, or the only columns whose count fits).
     #[arg(long, value_name = "PREFIX", requires = "replay")]
     pub columns: Option<String>,
+    /// The topic whose messages are rows, in an MCAP file of another program (default: the one with the most numbers).
+    #[arg(long, value_name = "TOPIC", requires = "replay")]
+    pub topic: Option<String>,
     /// Counts per unit, and counts at zero, for a recording in another unit than counts (`100:32768`).
     #[arg(
         long,

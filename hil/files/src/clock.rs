@@ -5,7 +5,7 @@ use super::gain::Gain;
 use super::taken::{TIMES, Wrong, numbered, shown};
 use super::times::{TimeColumn, TimeUnit, date_us};
 
-/// Options for the times of a table's rows, and for the unit of their values.
+/// Options for the times of a table's rows, for the unit of their values, and for the messages that are rows.
 #[derive(Clone, Debug, Default)]
 pub struct Timing {
     /// The column that holds times; none: a first column `time_us`, else one whose name is that of times.
@@ -18,6 +18,8 @@ pub struct Timing {
     pub rest_rows: usize,
     /// Gain that turns values in another unit into counts.
     pub gain: Option<Gain>,
+    /// The topic whose messages are rows; none: the one with the most numbers.
+    pub topic: Option<String>,
 }
 
 /// Sources of times.

@@ -118,6 +118,14 @@ impl Take<'_> {
         }
     }
 
+    /// Lines of a frame, where a recipe states them.
+    pub(super) fn frame_lines(self) -> Option<usize> {
+        match self {
+            Self::Recipe(plan) => plan.frame_lines,
+            _ => None,
+        }
+    }
+
     /// The sensors whose rows take turns.
     pub(super) fn turns(self, first: &[&str], header: bool) -> Result<Option<Turns>, Wrong> {
         match self {

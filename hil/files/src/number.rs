@@ -11,6 +11,9 @@ pub trait Number: Sized {
     /// The number that a value comes to.
     fn of_value(value: f64) -> Option<Self>;
 
+    /// The number that a count is.
+    fn of_count(count: u16) -> Self;
+
     /// The number on an axis that counts the other way.
     fn opposite(self) -> Self;
 }
@@ -43,6 +46,10 @@ impl Number for u16 {
         (0.0..=65_535.0).contains(&count).then_some(count as Self)
     }
 
+    fn of_count(count: u16) -> Self {
+        count
+    }
+
     fn opposite(self) -> Self {
         Self::MAX - self
     }
@@ -57,6 +64,10 @@ impl Number for f32 {
 
     fn of_value(value: f64) -> Option<Self> {
         Some(value as Self).filter(|v| v.is_finite())
+    }
+
+    fn of_count(count: u16) -> Self {
+        Self::from(count)
     }
 
     fn opposite(self) -> Self {

@@ -71,7 +71,7 @@ pub fn propose(
     layout: Option<&str>,
     timing: &Timing,
 ) -> Result<Proposal, FileError> {
-    let (opening, note) = opened(path)?;
+    let (opening, note) = opened(path, timing)?;
     let at = |(key, expected, found): Wrong| FileError {
         path: path.display().to_string(),
         line: Some(opening.line),
@@ -92,6 +92,9 @@ pub fn propose(
     let (skin, owns) = chosen(&opening, &all, layout, &mut proposal).map_err(at)?;
     let (skin, sensor) = skin;
     head(path, (name, &skin), &mut proposal);
+    if let Some(topic) = &timing.topic {
+        proposal.line(format!("topic = {}", quoted(topic)));
+    }
     writing(&opening, &mut proposal);
     times(&opening, names.as_deref(), &sensor, timing, &mut proposal).map_err(at)?;
     let widths = (0..owns.len()).filter_map(|m| Some(Columns::of_module(&sensor, m)?.count()));

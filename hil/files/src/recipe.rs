@@ -63,10 +63,14 @@ pub struct Recipe {
     pub recording: Option<String>,
     /// The skin: a built-in layout or a file.
     pub layout: String,
+    /// The topic whose messages are rows, in a file of messages; left out: the one with the most numbers.
+    pub topic: Option<String>,
     /// Separator of fields; left out: the one that leaves numbers.
     pub delimiter: Option<Delimiter>,
     /// Commas for decimal points; left out: as the first rows have it.
     pub decimal_comma: Option<bool>,
+    /// Lines of a frame of a pressure map; left out: as blank lines part frames, and 1 where none do.
+    pub lines_per_frame: Option<usize>,
     /// Rows per second, where no column says when they came.
     pub rate_hz: Option<f64>,
     /// The column that says when rows came; left out: one whose name does.
@@ -137,6 +141,7 @@ impl Recipe {
         let recipe: Self = source.read()?;
         source.heading(&recipe.name, &recipe.description)?;
         bounds!(source, "", recipe; rate_hz: 0.1..=1e6, "Hz")?;
+        bounds!(source, "", recipe; lines_per_frame: 1..=100_000)?;
         if let (Some(_), Some(_)) = (recipe.rate_hz, &recipe.time) {
             return Err(source.bad("rate_hz", "a rate or a column of times"));
         }

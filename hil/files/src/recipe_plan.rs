@@ -15,6 +15,8 @@ use super::taken::{Taken, Turns, Wrong, numbered, shown};
 pub struct RecipePlan {
     /// Separator and decimal mark of the recording, as far as the recipe states them.
     pub(super) writing: Writing,
+    /// Lines of a frame; none: as blank lines, remarks and files part them.
+    pub(super) frame_lines: Option<usize>,
     /// The column that names the sensor of a row.
     sensor_column: Option<String>,
     /// Modules in the order of the layout.
@@ -106,10 +108,17 @@ impl RecipePlan {
         }
         Ok(Self {
             writing: recipe.writing(),
+            frame_lines: recipe.lines_per_frame,
             sensor_column: recipe.sensor_column.clone(),
             modules: modules.into_iter().flatten().collect(),
             axes: usize::from(layout.axes),
         })
+    }
+
+    /// Readings of the skin.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.modules.iter().map(|m| m.readings.len()).sum()
     }
 
     /// The columns of all modules, in the order of the layout's readings.

@@ -5,6 +5,8 @@ use std::io::Read;
 use std::path::Path;
 
 use super::arrays;
+use super::bare::Tail;
+use super::blocks::Blocks;
 use super::clock::{Beginning, Clock, Timing};
 use super::columns::{MOST_BEFORE, Take};
 use super::dialect::{Fields, Row, Writing};
@@ -38,6 +40,8 @@ pub struct Rows<R> {
     /// Fields per row.
     width: usize,
     fields: Fields,
+    /// The columns taken, where they are counts at the end of a row.
+    tail: Option<Tail>,
     /// A first line that is data already, and its number.
     pending: Option<(usize, String)>,
     count: usize,
@@ -57,14 +61,13 @@ pub struct RowAt {
 }
 
 impl Rows<Input> {
-    /// Opens a file: text, JSON Lines, or an array of NumPy or MATLAB.
+    /// Opens a file: text, JSON Lines, an array of NumPy or MATLAB, messages; or a folder with a frame in each file.
     ///
     /// # Errors
     /// A file that cannot be read or holds no table, wrong columns, no times where they are wanted.
     pub fn open(path: &Path, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let count = take.count().unwrap_or(0);
-        let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
-        let (text, note) = table(path, count, rest_rows)?;
+        let (text, note) = table(path, count, timing, take.frame_lines())?;
         let mut rows = Self::over(text, take, timing)?;
         rows.notes.extend(note);
         Ok(rows)
@@ -75,13 +78,15 @@ impl Rows<Input> {
 fn table(
     path: &Path,
     count: usize,
-    rest_rows: usize,
+    timing: Option<&Timing>,
+    frame_lines: Option<usize>,
 ) -> Result<(Text<Input>, Option<String>), FileError> {
     let label = path.display().to_string();
     // A million taxels have a header of 40 MB.
     let longest = count.saturating_mul(40).max(LONGEST_LINE);
     let (input, note): (Input, _) = match format_of(path) {
         Some(Format::Numpy | Format::Npz | Format::Matlab) => {
+            let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
             let array = arrays::read(path, count, rest_rows)?;
             let note = array.note();
             (Box::new(Made::of(array)), note)
@@ -92,11 +97,23 @@ fn table(
             (Box::new(Made::of(objects)), None)
         }
         Some(Format::Mcap) => {
-            let messages = messages::Messages::open(path)?;
+            let topic = timing.and_then(|timing| timing.topic.as_deref());
+            let messages = messages::Messages::open(path, topic)?;
             let note = messages.note();
             (Box::new(Made::of(messages)), Some(note))
         }
-        _ => (Box::new(text(path)?), None),
+        _ => {
+            let plain = (!path.is_dir()).then(|| text(path)).transpose()?;
+            let blocks = Blocks::open(path, count, frame_lines, longest)?;
+            match (blocks, plain) {
+                (Some(blocks), _) => {
+                    let note = blocks.note();
+                    (Box::new(Made::of(blocks)), Some(note))
+                }
+                (None, Some(plain)) => (Box::new(plain), None),
+                (None, None) => (Box::new(text(path)?), None),
+            }
+        }
     };
     Ok((Text::new(label, input, longest), note))
 }
@@ -105,8 +122,8 @@ fn table(
 ///
 /// # Errors
 /// The errors of [`Rows::open`].
-pub(super) fn opened(path: &Path) -> Result<(Opening, Option<String>), FileError> {
-    let (text, note) = table(path, 0, 0)?;
+pub(super) fn opened(path: &Path, timing: &Timing) -> Result<(Opening, Option<String>), FileError> {
+    let (text, note) = table(path, 0, Some(timing), None)?;
     Ok((
         Opening::of(&mut Lines::over(text), Writing::default())?,
         note,
@@ -169,11 +186,16 @@ impl<R: Read> Rows<R> {
             taken.iter_mut().for_each(|column| column.gain = gain);
         }
         let parts = take.turns(first, has_heading).map_err(at)?.map(Parts::of);
+        let tail = match parts {
+            None => Tail::of(head.dialect, &taken, first.len()),
+            Some(_) => None,
+        };
         let notes = [order_note, clock_note].into_iter().flatten();
         let is_plain = matches!(&clock, Clock::Column(_, column) if column.unit == TimeUnit::Us);
         Ok(Self {
             notes: notes.map(|note| format!("{label}: {note}")).collect(),
             stated: !is_plain || timing.is_none_or(|t| t.column.is_some()),
+            tail,
             taken,
             clock,
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
@@ -204,7 +226,8 @@ impl<R: Read> Rows<R> {
                     None => return self.ended(frame.begun()),
                 },
             };
-            let row = self.fields.split(text);
+            let before = self.tail.and_then(|tail| tail.read(text, values));
+            let row = self.fields.split(before.unwrap_or(text));
             let wrong = |(key, expected, found): Wrong| FileError {
                 path: self.label.clone(),
                 line: Some(line),
@@ -217,7 +240,9 @@ impl<R: Read> Rows<R> {
                 Some(parts) => parts.columns(row),
             };
             let Some(columns) = columns else { continue };
-            read_row(row, self.width, &self.taken[columns], values).map_err(wrong)?;
+            if before.is_none() {
+                read_row(row, self.width, &self.taken[columns], values).map_err(wrong)?;
+            }
             if let Some(parts) = &mut self.parts
                 && !frame.add(parts, values)
             {

@@ -74,6 +74,9 @@ pub struct ContactsArgs {
     /// on, or the only columns whose count fits).
     #[arg(long, value_name = "PREFIX")]
     pub columns: Option<String>,
+    /// The topic whose messages are rows, in an MCAP file of another program (default: the one with the most numbers).
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
     /// Counts per unit, and counts at zero, for a recording in another unit than counts (`100:32768`).
     #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
     pub gain: Option<Gain>,

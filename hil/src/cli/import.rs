@@ -22,6 +22,9 @@ pub struct ImportArgs {
     /// column whose name says that it holds times).
     #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
     pub time: Option<TimeColumn>,
+    /// The topic whose messages are rows, in an MCAP file of another program (default: the one with the most numbers).
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
     /// Counts per unit and at 0, where the recording has values in another unit (default: by their noise).
     #[arg(long, value_name = "COUNTS[:OFFSET]", allow_hyphen_values = true)]
     pub gain: Option<Gain>,

@@ -187,14 +187,18 @@ pub struct PanelArgs {
 }
 
 /// Options of `hil texture encode`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct EncodeArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL|default")]
     pub model: String,
     /// Raw rows (CSV). With a header, the model's names for its features select the columns. Otherwise
-    /// there must be as many columns as features.
+    /// there must be as many columns as features. A recipe may stand for its recording, or lie beside it.
     pub file: PathBuf,
+    /// How the recording is to be read: a recipe, such as `hil import` proposes (default: FILE itself where it is one, or FILE
+    /// with the ending .toml).
+    #[arg(long, value_name = "FILE", conflicts_with = "columns")]
+    pub recipe: Option<PathBuf>,
     /// The columns to read, by what their names begin with, in the order of the file.
     #[arg(long, value_name = "PREFIX")]
     pub columns: Option<String>,

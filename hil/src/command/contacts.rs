@@ -18,13 +18,12 @@ use palpate_files::{
 };
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
-use palpate_live::recording::Reading;
+use palpate_live::recording::{Reading, Recorded};
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
 use super::ahead::ahead;
 use super::rate::rate_of;
-use super::recorded::Recorded;
 
 /// `--threshold per-taxel`, as scenes have it by default.
 const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
@@ -35,13 +34,13 @@ const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
 /// One line of the output before levels are known.
 #[derive(Clone, Copy)]
 struct Row {
-    frame: usize,
     time_us: u64,
+    frame: u32,
     contact: Contact,
 }
 
-/// Most contacts that are held; where there are more, the recording is read again for the output.
-const HELD: usize = 1 << 16;
+/// Most contacts that are held, 40 bytes each; where there are more, the recording is read again for the output.
+const HELD: usize = 1 << 19;
 
 /// Prints the contacts of every frame after the reference.
 ///
@@ -128,7 +127,7 @@ fn write_csv(
     found.each(&mut |row| {
         let contact = event::Contact {
             t_us: row.time_us,
-            frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
+            frame: row.frame,
             module: row.contact.module,
             contact: row.contact.id,
             place: PlaceUm::from(row.contact.place),
@@ -211,6 +210,7 @@ impl<'a> Recording<'a> {
             split_jumps: args.split_jumps,
             rest_rows: args.reference_frames as usize + 1,
             gain: args.gain,
+            topic: args.topic.clone().or_else(|| recorded.topic()),
         };
         Ok(Self {
             args,
@@ -263,11 +263,11 @@ impl<'a> Recording<'a> {
         let take = self.reading.take(&self.columns);
         let rows = Rows::open(&self.file, take, Some(&self.reading.timing))?;
         let mut rows = ahead(rows, &mut |time_us, counts| {
-            let frame = finder.rows();
+            let frame = u32::try_from(finder.rows()).unwrap_or(u32::MAX);
             for &contact in finder.row(time_us, counts).map_err(of_file)? {
                 let row = Row {
-                    frame,
                     time_us,
+                    frame,
                     contact,
                 };
                 each(row).map_err(Failure::written("contacts"))?;

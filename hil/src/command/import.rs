@@ -35,6 +35,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
             None => rate_of(args.rate, std::slice::from_ref(&args.file))?.hz,
         },
         gain: args.gain,
+        topic: args.topic.clone(),
         ..Timing::default()
     };
     if let Some(out) = &args.out {
@@ -55,6 +56,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
     let timing = Timing {
         column: recipe.value.clock(),
         rate_hz: recipe.value.rate_hz,
+        topic: recipe.value.topic.clone(),
         ..Timing::default()
     };
     let survey = Survey::of(args, &plan, &timing, &sensor)?;

@@ -25,7 +25,6 @@ mod pulse;
 mod pulse_plan;
 mod rate;
 mod record;
-mod recorded;
 mod report;
 mod review;
 mod run;

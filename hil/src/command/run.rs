@@ -12,7 +12,7 @@ use palpate_files::{
     format_of, load_scene,
 };
 use palpate_live::output::{make_folder, note, print, print_json, write_file};
-use palpate_live::recording::{Reading, ReadingStream, read_joints, recorded};
+use palpate_live::recording::{Reading, ReadingStream, Recorded, read_joints, recorded};
 use palpate_live::views::Wanted;
 use palpate_live::{clock, host};
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
@@ -20,7 +20,6 @@ use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::recorded::Recorded;
 use super::run_files;
 use super::served::Served;
 
@@ -95,6 +94,7 @@ fn by_recipe(args: &RunArgs) -> Result<RunArgs, Failure> {
     if args.time.is_none() {
         args.rate = args.rate.or_else(|| recorded.rate_hz());
     }
+    args.topic = args.topic.or_else(|| recorded.topic());
     args.recipe = recorded.recipe();
     args.replay = vec![recorded.file];
     Ok(args)
@@ -314,6 +314,7 @@ fn timing(args: &RunArgs) -> Result<Timing, Failure> {
         split_jumps: args.split_jumps,
         rest_rows: 0,
         gain: args.gain,
+        topic: args.topic.clone(),
     })
 }
 

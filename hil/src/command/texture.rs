@@ -6,7 +6,7 @@ use std::sync::Arc;
 use palpate_core::statistics::quantile;
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
-use palpate_files::{Format, Input, Rows, Take, TextureModel, Timing};
+use palpate_files::{Format, Input, RecipePlan, Rows, Take, TextureModel, Timing};
 use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_texture::onnx;
@@ -16,6 +16,7 @@ use super::{texture_panel, texture_response, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
 use palpate_live::output::{Outputs, note, print};
 use palpate_live::progress::Progress;
+use palpate_live::recording::Recorded;
 
 /// Runs the action of `hil texture`.
 ///
@@ -48,6 +49,7 @@ const MARGIN: f32 = 0.05;
 const BATCH: usize = 1024;
 
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
+    let (args, plan) = &by_recipe(args)?;
     let model = TextureModel::open(&args.model)?;
     if let (Some(hz), false) = (args.rate, args.any_rate) {
         model.check_rate(hz)?;
@@ -59,9 +61,13 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         },
         _ => Ends::Every,
     };
-    let take = match args.columns.as_deref() {
-        Some(prefix) => Take::Counted(prefix, model.features()),
-        None => features(&model),
+    let take = match (plan, args.columns.as_deref()) {
+        (Some(plan), _) => {
+            check_count(args, plan, &model)?;
+            Take::Recipe(plan)
+        }
+        (None, Some(prefix)) => Take::Counted(prefix, model.features()),
+        (None, None) => features(&model),
     };
     let _shown = Progress::reading(&args.file);
     let mut windows = Windows::open(&model, args, take, ends)?;
@@ -84,6 +90,35 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
             windows.notes().iter().for_each(|text| note(text));
             return Ok(());
         }
+    }
+}
+
+/// The command line with what the recipe says in place of what was left out, and the recipe.
+fn by_recipe(args: &EncodeArgs) -> Result<(EncodeArgs, Option<RecipePlan>), Failure> {
+    let mut args = args.clone();
+    if args.columns.is_some() {
+        return Ok((args, None));
+    }
+    let recorded = Recorded::of(args.recipe.as_deref(), &args.file)?;
+    recorded.note().iter().for_each(|text| note(text));
+    args.time = args.time.or_else(|| recorded.time(args.rate));
+    if args.time.is_none() {
+        args.rate = args.rate.or_else(|| recorded.rate_hz());
+    }
+    let plan = recorded.own_plan()?;
+    args.file = recorded.file;
+    Ok((args, plan))
+}
+
+/// Refuses a recipe for another number of readings than the model has.
+fn check_count(args: &EncodeArgs, plan: &RecipePlan, model: &TextureModel) -> Result<(), Failure> {
+    let (wanted, found) = (model.features(), plan.count());
+    match wanted == found {
+        true => Ok(()),
+        false => Err(Failure::Input(format!(
+            "{}: expected a recipe of {wanted} readings, as many as the model has features, found {found} (--columns PREFIX reads without it)",
+            args.file.display()
+        ))),
     }
 }
 

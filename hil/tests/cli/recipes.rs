@@ -1,5 +1,6 @@
-//! Recipes of recordings: one file says what options would, for `hil contacts` and `hil run`.
+//! Recipes of recordings: one file says what options would, for `hil contacts`, `hil run` and `hil texture encode`.
 
+use super::texture::ground;
 use super::*;
 
 /// A recording in semicolons: the pad's counts as newtons under the names of its maker, mounted upside down.
@@ -120,5 +121,48 @@ fn a_recipe_that_does_not_fit_is_refused_with_its_line() {
     refused_with(
         &["contacts", &contacts::recording(&folder, 30)],
         &["--layout", "or a recipe"],
+    );
+}
+
+const STRIP: &str = "name = \"strip\"\ndescription = \"Five taxels\"\nkind = \"sensor\"\naxes = 1\n\n[[modules]]\n\
+                      name = \"strip\"\ngrid = { rows = 1, columns = 5, pitch_mm = 2.0 }\n";
+const STROKE: &str = "kind = \"recording\"\nname = \"stroke\"\ndescription = \"A stroke over five taxels\"\n\
+                      recording = \"stroke.csv\"\nlayout = \"strip.toml\"\ntime = { column = \"clock\", unit = \"ms\" }\n\n\
+                      [[modules]]\ncolumns = [\"a\", \"b\", \"c\", \"d\", \"e\"]\n";
+
+#[test]
+fn a_recipe_says_how_the_texture_encoder_reads() {
+    let (folder, model, rows) = ground("texture-recipe");
+    let expected = good(&["texture", "encode", &model, &rows]);
+    // The same in milliseconds, under another heading and with the last column first.
+    let mut text = String::from("e;clock;a;b;c;d\n");
+    for line in folder.text("rows.csv").lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        let [us, a, b, c, d, e] = fields[..] else {
+            panic!("{line}");
+        };
+        let ms = us.parse::<u64>().unwrap() / 1000;
+        text += &format!("{e};{ms};{a};{b};{c};{d}\n");
+    }
+    let file = folder.write("stroke.csv", &text).display().to_string();
+    folder.write("strip.toml", STRIP);
+    let recipe = folder.write("stroke.toml", STROKE).display().to_string();
+    for read in [
+        vec![&*recipe],
+        vec![&*file],
+        vec![&*file, "--recipe", &*recipe],
+    ] {
+        let args = [&["texture", "encode", &model][..], &read].concat();
+        let said = hil(&args);
+        assert_eq!((said.status, &said.out), (Some(0), &expected), "{args:?}");
+        let is_noted = said.err.contains("read by the recipe");
+        assert_eq!(is_noted, read == [&*file], "{}", said.err);
+    }
+    folder.write("strip.toml", &STRIP.replace("columns = 5", "columns = 4"));
+    let four = STROKE.replace(", \"e\"", "");
+    folder.write("stroke.toml", &four);
+    refused_with(
+        &["texture", "encode", &model, &recipe],
+        &["a recipe of 5 readings", "found 4"],
     );
 }

@@ -99,8 +99,8 @@ fn mat() -> Vec<u8> {
     file
 }
 
-/// A bag of ROS 2 with counts under `/skin`.
-fn mcap() -> Vec<u8> {
+/// A bag of ROS 2 with counts under `/skin`, and among others with more numbers under `/wide`.
+fn mcap(is_alone: bool) -> Vec<u8> {
     let text = |value: &str| [&(value.len() as u32).to_le_bytes()[..], value.as_bytes()].concat();
     let record =
         |kind: u8, body: Vec<u8>| [&[kind][..], &(body.len() as u64).to_le_bytes(), &body].concat();
@@ -114,6 +114,8 @@ fn mcap() -> Vec<u8> {
     file.extend(record(3, [&[1, 0][..], &names].concat()));
     let names = [text("/skin"), text("cdr"), vec![0; 4]].concat();
     file.extend(record(4, [&[0, 0, 1, 0][..], &names].concat()));
+    let names = [text("/wide"), text("cdr"), vec![0; 4]].concat();
+    file.extend(record(4, [&[1, 0, 1, 0][..], &names].concat()));
     for row in 0..ROWS {
         let ns = 1_772_366_400_000_000_000 + row as u64 * 10_000_000;
         let mut message = [&[0; 6][..], &ns.to_le_bytes(), &ns.to_le_bytes()].concat();
@@ -121,6 +123,17 @@ fn mcap() -> Vec<u8> {
         message.extend((COUNTS as u32).to_le_bytes());
         message.extend((0..COUNTS).flat_map(|c| count(row, c).to_le_bytes()));
         file.extend(record(5, message));
+        if !is_alone {
+            let mut other = [
+                &[1, 0, 0, 0, 0, 0][..],
+                &ns.to_le_bytes(),
+                &ns.to_le_bytes(),
+            ]
+            .concat();
+            other.extend([0, 1, 0, 0, 60, 0, 0, 0]);
+            other.extend([7; 120]);
+            file.extend(record(5, other));
+        }
     }
     file.extend(record(15, vec![0; 4]));
     file
@@ -201,7 +214,9 @@ fn write_all(folder: &Folder) {
     fs::write(folder.path("counts.npy"), npy()).unwrap();
     fs::write(folder.path("counts.npz"), npz()).unwrap();
     fs::write(folder.path("counts.mat"), mat()).unwrap();
-    fs::write(folder.path("bag.mcap"), mcap()).unwrap();
+    fs::write(folder.path("bag.mcap"), mcap(true)).unwrap();
+    fs::write(folder.path("two.mcap"), mcap(false)).unwrap();
+    write_frames(folder);
     for (name, start) in [
         ("table.parquet", &b"PAR1\x15\x04"[..]),
         ("data.h5", b"\x89HDF\r\n\x1a\n"),
@@ -218,6 +233,31 @@ fn write_all(folder: &Folder) {
         ),
     ] {
         fs::write(folder.path(name), start).unwrap();
+    }
+}
+
+/// Frames of sixteen lines of three counts: after one another, as Tekscan writes them, and in a file each.
+fn write_frames(folder: &Folder) {
+    let frame = |row: usize| -> String {
+        let line = |taxel: usize| -> String {
+            let counts: Vec<String> = (0..3).map(|c| plain(count(row, 3 * taxel + c))).collect();
+            counts.join(",") + "\n"
+        };
+        (0..COUNTS / 3).map(line).collect()
+    };
+    let slices: String = (0..ROWS).map(|row| frame(row) + "# New slice\n").collect();
+    folder.write(
+        "frames.txt",
+        &format!("# Array shape: ({ROWS}, 16, 3)\n{slices}"),
+    );
+    let head = "DATA_TYPE MOVIE\nVERSION I-Scan 7.60\nROWS 16\nCOLS 3\nSECONDS_PER_FRAME 0.01\nUNITS Raw\nASCII_DATA @@\n";
+    let movie: String = (0..ROWS)
+        .map(|row| format!("\nFrame {}\n{}", row + 1, frame(row)))
+        .collect();
+    folder.write("movie.asf", &format!("{head}{movie}\n@@\n"));
+    fs::create_dir_all(folder.path("frames")).unwrap();
+    for row in 0..ROWS {
+        folder.write(&format!("frames/frame_{row}.csv"), &frame(row));
     }
 }
 
@@ -239,7 +279,7 @@ fn every_row_of_the_table_does_what_it_says() {
         let words = command.split_whitespace().skip(1);
         let args: Vec<String> = words
             .map(|word| match folder.path(word) {
-                path if path.is_file() => path.display().to_string(),
+                path if path.exists() => path.display().to_string(),
                 _ => word.to_owned(),
             })
             .collect();
@@ -274,5 +314,5 @@ fn every_row_of_the_table_does_what_it_says() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 24, "the rows of the table");
+    assert_eq!(rows, 28, "the rows of the table");
 }

@@ -42,6 +42,7 @@ pub(super) struct Messages {
     records: Records,
     topic: u16,
     name: String,
+    note: String,
     /// Names of the columns, once they are known.
     names: Vec<String>,
 }
@@ -73,52 +74,70 @@ pub fn holds_frames(path: &Path) -> bool {
 }
 
 impl Messages {
-    /// Opens a file, and chooses its topic.
+    /// Opens a file, and looks for a topic: the one that is named, else the one with the most numbers.
     ///
     /// # Errors
-    /// A file without a message that the reader takes.
-    pub(super) fn open(path: &Path) -> Result<Self, FileError> {
+    /// A file without messages of that topic, or without a message that the reader takes. It names the topics.
+    pub(super) fn open(path: &Path, named: Option<&str>) -> Result<Self, FileError> {
         let mut records = Records::open(path)?;
         let mut most: BTreeMap<u16, usize> = BTreeMap::new();
-        for _ in 0..LOOKED_AT {
+        let mut messages = 0;
+        // A topic that is named may have its first message late.
+        let mut is_missed = named.is_some();
+        while messages < LOOKED_AT || is_missed {
             let Some(message) = records.advance()? else {
                 break;
             };
+            messages += 1;
             let count = records.leaves(&message)?.map_or(0, |leaves| leaves.len());
             let known = most.entry(message.channel).or_default();
             *known = count.max(*known);
+            is_missed &= count == 0 || !records.is_of(message.channel, named);
         }
-        let best = most
+        let fits = |channel: &u16, count: usize| {
+            count > 0 && (named.is_none() || records.is_of(*channel, named))
+        };
+        let fitting = most
             .iter()
-            .max_by_key(|(channel, count)| (**count, std::cmp::Reverse(**channel)));
-        let Some((&topic, _)) = best.filter(|(_, count)| **count > 0) else {
-            let named = |c: &Channel| format!("{} ({})", c.topic, c.encoding);
-            let topics: Vec<String> = records.channels.values().map(named).collect();
-            let found = match topics.as_slice() {
-                [] => "no messages".to_owned(),
-                topics => topics.join(", "),
+            .filter(|(channel, count)| fits(channel, **count));
+        let best = fitting.max_by_key(|(channel, count)| (**count, std::cmp::Reverse(**channel)));
+        let Some((&topic, _)) = best else {
+            let expected = match named {
+                Some(name) => format!(
+                    "messages of numbers under the topic `{name}` (--topic), in CDR with a schema (ROS 2) or in JSON"
+                ),
+                None => "messages of numbers, in CDR with a schema (ROS 2) or in JSON".to_owned(),
             };
-            let expected = "messages of numbers, in CDR with a schema (ROS 2) or in JSON";
+            let found = match records.told(&most).as_str() {
+                "" => "no messages".to_owned(),
+                topics => topics.to_owned(),
+            };
             return Err(FileError::whole(&records.label, expected, found));
         };
         let name = records
             .channels
             .get(&topic)
             .map_or_else(String::new, |c| c.topic.clone());
+        let mut note = format!("{}: rows are the messages of topic `{name}`", records.label);
+        most.retain(|channel, count| *count > 0 && !records.is_of(*channel, Some(&name)));
+        if named.is_none() && !most.is_empty() {
+            note += &format!(
+                ", which has the most numbers (--topic takes another: {})",
+                records.told(&most)
+            );
+        }
         Ok(Self {
             records: Records::open(path)?,
             topic,
             name,
+            note,
             names: Vec::new(),
         })
     }
 
     /// Remark on the choice of the topic.
     pub(super) fn note(&self) -> String {
-        format!(
-            "{}: rows are the messages of topic `{}`",
-            self.records.label, self.name
-        )
+        self.note.clone()
     }
 }
 
@@ -296,6 +315,27 @@ impl Records {
         };
         self.channels.insert(id, channel);
         Some(())
+    }
+
+    /// Tells whether a channel is of the topic that is named.
+    fn is_of(&self, channel: u16, named: Option<&str>) -> bool {
+        self.channels
+            .get(&channel)
+            .is_some_and(|channel| named == Some(channel.topic.as_str()))
+    }
+
+    /// The topics of messages, each with its encoding and with how many numbers its messages have.
+    fn told(&self, numbers: &BTreeMap<u16, usize>) -> String {
+        let told = |(number, channel): (&u16, &Channel)| {
+            let count = numbers.get(number).filter(|count| **count > 0);
+            let count = count.map_or_else(String::new, |count| format!(", {count} numbers"));
+            format!("{} ({}{count})", channel.topic, channel.encoding)
+        };
+        let topics = self
+            .channels
+            .iter()
+            .filter(|(number, _)| numbers.contains_key(number));
+        topics.map(told).collect::<Vec<_>>().join(", ")
     }
 
     /// The numbers of a message; none for another encoding.

@@ -40,11 +40,20 @@ fn logged(channel: u8, ns: u64, data: &[u8]) -> Vec<u8> {
 }
 
 fn table(name: &str, records: &[Vec<u8>]) -> Result<(String, String), String> {
+    topic(name, None, records)
+}
+
+/// The table of a topic, and the note on it.
+fn topic(
+    name: &str,
+    wanted: Option<&str>,
+    records: &[Vec<u8>],
+) -> Result<(String, String), String> {
     let path = std::env::temp_dir().join(format!("palpate-{name}-{}.mcap", std::process::id()));
     let bytes = [MAGIC, &records.concat(), &record(op::DATA_END, &[0; 4])].concat();
     std::fs::write(&path, bytes).unwrap();
     let read = || {
-        let messages = Messages::open(&path).map_err(|e| e.to_string())?;
+        let messages = Messages::open(&path, wanted).map_err(|e| e.to_string())?;
         let note = messages.note();
         let mut table = String::new();
         let read = Made::of(messages).read_to_string(&mut table);
@@ -157,5 +166,38 @@ fn numbers_stand_at_multiples_of_their_width() {
     );
     for end in 0..data.len() {
         let _ = definition.read(&data[..end], &mut Vec::new());
+    }
+}
+
+#[test]
+fn topics_are_taken_by_their_names() {
+    let message = |channel: u8, ns: u64, text: &str| logged(channel, ns, text.as_bytes());
+    let records = [
+        channel(0, "/imu", "json"),
+        channel(1, "/skin", "json"),
+        channel(2, "/words", "json"),
+        message(0, 5, "{\"a\":[1,2,3,4]}"),
+        message(2, 5, "{\"a\":\"no number\"}"),
+        message(1, 7, "{\"d\":[5,6]}"),
+        message(1, 9, "{\"d\":[7,8]}"),
+    ];
+    let (table, note) = topic("topic", Some("/skin"), &records).unwrap();
+    assert_eq!(table, "time_ns,d.0,d.1\n7,5,6\n9,7,8\n");
+    assert!(
+        note.ends_with("rows are the messages of topic `/skin`"),
+        "{note}"
+    );
+    let (table, note) = topic("topic-most", None, &records).unwrap();
+    assert_eq!(table, "time_ns,a.0,a.1,a.2,a.3\n5,1,2,3,4\n");
+    let others = "which has the most numbers (--topic takes another: /skin (json, 2 numbers))";
+    assert!(note.ends_with(others), "{note}");
+    for wanted in ["/words", "/nothing"] {
+        let error = topic("topic-none", Some(wanted), &records).unwrap_err();
+        let expected = format!("the topic `{wanted}` (--topic)");
+        let found = "found /imu (json, 4 numbers), /skin (json, 2 numbers), /words (json)";
+        assert!(
+            error.contains(&expected) && error.ends_with(found),
+            "{error}"
+        );
     }
 }

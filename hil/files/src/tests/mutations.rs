@@ -53,6 +53,14 @@ fn text(separator: &str, head: &str, time: impl Fn(usize) -> String) -> Vec<u8> 
     (head.to_owned() + &(0..20).map(row).collect::<String>()).into_bytes()
 }
 
+/// Two taxels of four cells.
+fn tekscan() -> Vec<u8> {
+    let head = "DATA_TYPE MOVIE\nROWS 2\nSECONDS_PER_FRAME 0.02\nASCII_DATA @@\n";
+    let frame = |n: usize| format!("\nFrame {n}\nB,{}\n{},B\n", 100 + n, 200 - n);
+    let frames: String = (1..9).map(frame).collect();
+    format!("{head}{frames}\n@@\n").into_bytes()
+}
+
 fn npy() -> Vec<u8> {
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 2), }\n";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -119,7 +127,7 @@ fn changed_recordings_are_read_or_refused() {
     let us = |n: usize| format!("{},", n * 10_000);
     let json =
         |n: usize| format!("{{\"time\":0.{n}5,\"1\":{{\"data\":\"0064,00c{n}\",\"n\":[1]}}}}\n");
-    let formats: [(&str, Vec<u8>); 9] = [
+    let formats: [(&str, Vec<u8>); 10] = [
         ("own", text(",", "time_us,txl1_z,txl2_z\n", us)),
         (
             "semicolons",
@@ -137,6 +145,7 @@ fn changed_recordings_are_read_or_refused() {
             }),
         ),
         ("json", (0..9).map(json).collect::<String>().into_bytes()),
+        ("tekscan", tekscan()),
         ("npy", npy()),
         ("mat", mat()),
         ("mcap", mcap()),

@@ -6,6 +6,7 @@ mod can_log;
 mod joints;
 mod part;
 mod pass;
+mod recorded;
 mod stream;
 mod taxel_csv;
 mod taxel_write;
@@ -15,6 +16,7 @@ mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
 pub use joints::read_joints;
+pub use recorded::Recorded;
 pub use stream::ReadingStream;
 pub use taxel_csv::{Reading, read_taxel_csv};
 pub use taxel_write::write_taxel_csv;
@@ -27,7 +29,7 @@ use palpate_run::{Failure, Input, plan};
 use part::Part;
 
 /// Reads the recordings that drive a run in place of touches: one per module of a layout, one of all modules side by
-/// side, or one of all its buses. Remarks on the files come with them.
+/// side, or one of all its buses. A recipe may stand for its recording, or lie beside it. Remarks on the files come with them.
 ///
 /// # Errors
 /// [`Failure::Input`] with file, line and column.
@@ -36,7 +38,14 @@ pub fn recorded(
     file: &SensorLayout,
     reading: &Reading,
 ) -> Result<(Input, Vec<String>), Failure> {
-    if let Some(log) = paths.iter().find(|path| is_can_recording(path)) {
+    if let [path] = paths
+        && let Some((path, by_it, note)) = recorded::by_recipe(path, reading, file)?
+    {
+        let (input, notes) = recorded(&[path], file, &by_it)?;
+        return Ok((input, note.into_iter().chain(notes).collect()));
+    }
+    let has_frames = |path: &&PathBuf| reading.timing.topic.is_none() && is_can_recording(path);
+    if let Some(log) = paths.iter().find(has_frames) {
         let [log] = paths else {
             return Err(Failure::Input(format!(
                 "--replay {}: expected one recording of all buses and nothing beside it, found {} files",

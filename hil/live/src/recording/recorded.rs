@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{
     FileError, FileKind, Format, Loaded, Recipe, RecipePlan, SensorLayout, Source, TimeColumn,
-    format_of, kind_of, load_recipe,
+    Timing, format_of, kind_of, load_recipe, plan_of,
 };
 use palpate_run::Failure;
 
+use super::taxel_csv::Reading;
+
 /// A recording, and its recipe where there is one.
 #[derive(Debug)]
-pub(super) struct Recorded {
+pub struct Recorded {
     /// The recording.
-    pub(super) file: PathBuf,
+    pub file: PathBuf,
     /// Recipe of the recording.
     recipe: Option<Loaded<Recipe>>,
     /// `true` where the recipe was found beside the recording.
@@ -24,7 +26,7 @@ impl Recorded {
     ///
     /// # Errors
     /// A recipe that cannot be, or that names no recording where it stands for one.
-    pub(super) fn of(named: Option<&Path>, file: &Path) -> Result<Self, Failure> {
+    pub fn of(named: Option<&Path>, file: &Path) -> Result<Self, Failure> {
         let load = |path: &Path| load_recipe(&path.display().to_string());
         let is_recipe = |path: &Path| {
             let source = Source::open(path);
@@ -61,7 +63,8 @@ impl Recorded {
     }
 
     /// Note on a recipe that was not named.
-    pub(super) fn note(&self) -> Option<String> {
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
         let recipe = self.recipe.as_ref().filter(|_| self.is_beside)?;
         Some(format!(
             "{}: read by the recipe {} beside it",
@@ -71,12 +74,14 @@ impl Recorded {
     }
 
     /// The path of the recipe.
-    pub(super) fn recipe(&self) -> Option<PathBuf> {
+    #[must_use]
+    pub fn recipe(&self) -> Option<PathBuf> {
         Some(self.recipe.as_ref()?.source.label().into())
     }
 
     /// The layout that the recipe names: a built-in name or a path.
-    pub(super) fn layout(&self) -> Option<String> {
+    #[must_use]
+    pub fn layout(&self) -> Option<String> {
         let Loaded { value, source } = self.recipe.as_ref()?;
         let name = &value.layout;
         Some(match FileKind::Layout.names().contains(&name.as_str()) {
@@ -86,7 +91,8 @@ impl Recorded {
     }
 
     /// The column of times, where no rate was typed.
-    pub(super) fn time(&self, typed_hz: Option<f64>) -> Option<TimeColumn> {
+    #[must_use]
+    pub fn time(&self, typed_hz: Option<f64>) -> Option<TimeColumn> {
         self.recipe
             .as_ref()
             .filter(|_| typed_hz.is_none())?
@@ -94,16 +100,32 @@ impl Recorded {
             .clock()
     }
 
+    /// The topic whose messages are rows.
+    #[must_use]
+    pub fn topic(&self) -> Option<String> {
+        self.recipe.as_ref()?.value.topic.clone()
+    }
+
     /// Rows per second.
-    pub(super) fn rate_hz(&self) -> Option<f64> {
+    #[must_use]
+    pub fn rate_hz(&self) -> Option<f64> {
         self.recipe.as_ref()?.value.rate_hz
+    }
+
+    /// The recipe for the layout that it names.
+    ///
+    /// # Errors
+    /// A layout that cannot be read, or that the recipe does not fit.
+    pub fn own_plan(&self) -> Result<Option<RecipePlan>, FileError> {
+        let recipe = self.recipe.as_ref();
+        recipe.map(|recipe| Ok(plan_of(recipe)?.0)).transpose()
     }
 
     /// The recipe for a layout.
     ///
     /// # Errors
     /// A recipe that does not fit the layout.
-    pub(super) fn plan(&self, layout: &SensorLayout) -> Result<Option<RecipePlan>, FileError> {
+    pub fn plan(&self, layout: &SensorLayout) -> Result<Option<RecipePlan>, FileError> {
         let recipe = self.recipe.as_ref();
         recipe
             .map(|recipe| RecipePlan::of(&recipe.value, &recipe.source, layout))
@@ -111,8 +133,44 @@ impl Recorded {
     }
 }
 
+/// The reading of a recording by its recipe, for a skin, where none was named; the recording comes with it, and a note. None
+/// without a recipe.
+///
+/// # Errors
+/// A recipe that cannot be, or does not fit the skin.
+pub(super) fn by_recipe(
+    path: &Path,
+    reading: &Reading,
+    skin: &SensorLayout,
+) -> Result<Option<(PathBuf, Reading, Option<String>)>, Failure> {
+    let timing = &reading.timing;
+    if reading.recipe.is_some() || reading.prefix.is_some() || timing.column.is_some() {
+        return Ok(None);
+    }
+    let found = Recorded::of(None, path)?;
+    let Some(recipe) = found.plan(skin)? else {
+        return Ok(None);
+    };
+    let by_it = Reading {
+        timing: Timing {
+            column: found.time(timing.rate_hz),
+            rate_hz: timing.rate_hz.or_else(|| found.rate_hz()),
+            topic: timing.topic.clone().or_else(|| found.topic()),
+            ..timing.clone()
+        },
+        prefix: None,
+        recipe: Some(recipe),
+    };
+    let note = found.note();
+    Ok(Some((found.file, by_it, note)))
+}
+
 /// A path in a recipe, from the recipe's folder on.
 fn beside_of(source: &Source, name: &str) -> PathBuf {
     let folder = source.folder();
     folder.map_or_else(|| name.into(), |folder| folder.join(name))
 }
+
+#[cfg(test)]
+#[path = "recorded_tests.rs"]
+mod tests;
