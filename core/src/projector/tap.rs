@@ -26,7 +26,7 @@ pub struct Taps {
     /// finds widths, of its width for a published law. Short and seldom, a tap may be far stronger than a texture that goes
     /// on and on.
     pub strength: Firmness<f32>,
-    /// Time in which widths fall to 1/e.
+    /// Time in which the strength falls to 1/e.
     pub decay: Duration,
 }
 

@@ -172,7 +172,7 @@ pub struct PanelArgs {
     /// Person whose fingers feel the display: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
-    /// Level of a texture over the wearer's threshold, dB; left out: 4.
+    /// Level of a texture over the wearer's threshold, dB; left out: 5.
     #[arg(long, value_name = "DB", allow_hyphen_values = true)]
     pub level: Option<f64>,
     /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
