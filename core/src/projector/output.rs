@@ -276,7 +276,10 @@ impl Output {
             if let Some(Texture::Contacts(weave)) = &mut self.texture {
                 *weave = None; // the widths are the stroke's now
             }
-            let stated = Stated::whole(dab.duration);
+            let stated = Stated {
+                length: dab.duration,
+                woven: None,
+            };
             self.activate(onset, &[target], Some(stated));
             self.render(
                 now,
