@@ -118,8 +118,8 @@ impl Weave {
     }
 }
 
-/// Factor by which a published law's pulses at `rate_mhz` are wider than pulses of every period. The felt amplitude grows with the width
-/// and with the root of the number of pulses, so rough textures get coarser, not weaker.
+/// Factor by which a published law's pulses at `rate_mhz` are wider than pulses of every period. The felt amplitude grows
+/// with the width and with the root of the number of pulses, so rough textures get coarser, not weaker.
 pub(super) fn gain(rate_mhz: u32, period_ns: u64) -> f32 {
     let part = (u64::from(rate_mhz) * period_ns).clamp(1, WHOLE) as f32;
     libm::sqrtf(WHOLE as f32 / part)

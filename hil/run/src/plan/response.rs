@@ -150,6 +150,7 @@ impl Responses {
         woven(setup, pattern).into_iter().map(row).collect()
     }
 
+    /// The response to bursts that come again and again.
     fn to(
         &self,
         setup: &Setup,
