@@ -68,7 +68,8 @@ const SURFACES: [&str; 8] = [
     "shoe-sole",
 ];
 
-/// Every texture scene drives wires, within every limit, and the guard has nothing to correct.
+/// Every texture scene drives wires, within every limit, the guard has nothing to correct, and the typical person feels it on
+/// the default bench.
 #[test]
 fn strokes_reach_the_wires_within_the_limits() {
     for surface in SURFACES {
@@ -88,6 +89,8 @@ fn strokes_reach_the_wires_within_the_limits() {
         assert!(texture.windows >= 10, "{surface}: {}", texture.windows);
         assert!(summary.stimuli > 20, "{surface}: {}", summary.stimuli);
         assert_eq!(summary.limiter_events, 0, "{surface}");
+        let onsets = &summary.onsets;
+        assert!(!onsets.mostly_unfelt(), "{surface}: {onsets:?}");
         assert!(summary.margins.iter().all(|m| !m.over()), "{surface}");
     }
 }
@@ -132,7 +135,7 @@ fn a_moving_contact_carries_its_texture() {
             );
             assert!(pulses > more + 0.5, "{traverse_s} s: {more} {pulses}");
             // A texture gives every wire the same pulses, and the counts by which the place is balanced go.
-            assert!(felt < plain + 0.55, "{traverse_s} s: {plain} {felt}");
+            assert!(felt < plain + 0.5, "{traverse_s} s: {plain} {felt}");
             more = pulses;
         }
     }
@@ -181,7 +184,7 @@ fn a_contact_that_rubs_carries_its_own_texture() {
         let rubbed = |surface: &TextureEntry| {
             let outcome = played(&rubbing(surface.clone(), turn_s));
             let felt = outcome.summary.felt_error_mm.rmse.unwrap();
-            assert!(felt < plain + 0.55, "{}: {felt} {plain}", surface.name);
+            assert!(felt < plain + 0.5, "{}: {felt} {plain}", surface.name);
             let rough = outcome.summary.texture.as_ref().unwrap().roughness;
             (rough, pulses_per_burst(&outcome), felt)
         };

@@ -176,7 +176,9 @@ impl OutputBuilder {
                     style: self.style,
                     pattern,
                     full: response.full(),
+                    texture: response.full(),
                     response,
+                    woven: Box::default(),
                     sharing: self.sharing,
                     calibration: calibration.clone(),
                 };

@@ -14,6 +14,7 @@ mod stop;
 mod strokes;
 mod tap;
 mod texture;
+mod textured;
 mod update;
 mod view;
 mod warm;

@@ -7,16 +7,15 @@ use alloc::vec;
 use crate::driver::Actuators;
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
-use crate::render::{RenderSettings, Renderer};
+use crate::render::{RenderSettings, Renderer, Stated};
 use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Ticks};
 
 use super::pass::Passing;
 use super::strokes::Strokes;
-use super::texture::Carrier;
 use super::update::Update;
-use super::weave::{Texture, Weave, gain};
+use super::weave::Texture;
 use super::{Cause, Observer};
 
 /// Settings of an output: how stimuli are made.
@@ -89,14 +88,14 @@ pub struct OutputSettings {
 #[derive(Debug)]
 pub struct Output {
     display: Display,
-    timing: Timing,
-    drive: Drive,
+    pub(super) timing: Timing,
+    pub(super) drive: Drive,
     share: Share,
-    calibration: Calibration,
+    pub(super) calibration: Calibration,
     mixer: Mixer,
-    renderer: Option<Renderer>,
+    pub(super) renderer: Option<Renderer>,
     pub(super) strokes: Strokes,
-    texture: Option<Texture>,
+    pub(super) texture: Option<Texture>,
     pub(super) pass: Option<Passing>,
     pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
@@ -137,11 +136,6 @@ impl Output {
             next_onset: Instant::ZERO,
             display,
         }
-    }
-
-    /// Adds a texture on this carrier.
-    pub fn carry(&mut self, carrier: Carrier) {
-        self.texture = Some(Texture::new(carrier, self.guard.prescale()));
     }
 
     /// Tells that a surface of this hardness, 0 to 1, is met or left at
@@ -192,7 +186,7 @@ impl Output {
         self.guard.hear(at);
     }
 
-    fn is_due(&self, now: Instant) -> bool {
+    pub(super) fn is_due(&self, now: Instant) -> bool {
         now >= self.next_onset
     }
 
@@ -282,7 +276,11 @@ impl Output {
             if let Some(Texture::Contacts(weave)) = &mut self.texture {
                 *weave = None; // the widths are the stroke's now
             }
-            self.activate(onset, &[target], Some(dab.duration));
+            let stated = Stated {
+                length: dab.duration,
+                woven: None,
+            };
+            self.activate(onset, &[target], Some(stated));
             self.render(
                 now,
                 (onset, Some(onset + dab.duration)),
@@ -313,81 +311,16 @@ impl Output {
         let onset = self.advance_grid(now);
         let turn = onset.as_micros() / self.timing.soa.as_micros();
         let targets = self.mixer.rendered(targets, turn);
-        let woven = texture.is_some() && matches!(self.texture, Some(Texture::Contacts(_)));
-        self.activate(onset, targets, woven.then_some(self.timing.duration));
-        let until = self.weave(onset, texture);
+        let woven = self.weave(onset, texture);
+        self.activate(onset, targets, woven);
+        let until = self.widen(onset);
         self.render(now, (onset, until), actuators, observer)?;
         observer.onset(onset, targets);
         Ok(true)
     }
 
-    /// Thins out the burst of an onset; returns when its first pulses end.
-    fn weave(&mut self, onset: Instant, texture: Option<&Control>) -> Option<Instant> {
-        let Some(Texture::Contacts(weave)) = &mut self.texture else {
-            return None;
-        };
-        let prescale = self.guard.prescale();
-        *weave = texture.map(|c| Weave::new(onset, self.timing.duration, prescale, c));
-        let weave = weave.as_mut()?;
-        weave.widen(&mut self.widths, self.guard.widest());
-        weave.due(onset).map(|(_, until)| until)
-    }
-
-    /// Plays a texture that has the display to itself: its next
-    /// period, and an onset without a contact where one is due.
-    fn run<U: Update, A: Actuators<U> + ?Sized>(
-        &mut self,
-        now: Instant,
-        texture: Option<&Control>,
-        actuators: &mut A,
-        observer: &mut impl Observer,
-    ) -> Result<bool, A::Error> {
-        let onset = self.is_due(now).then(|| self.advance_grid(now));
-        let mut due = None;
-        if let Some(Texture::Train(train)) = &mut self.texture {
-            if let Some((at, fired)) = train.due(now, texture) {
-                let period_ns = self.guard.prescale().period_ns();
-                let gain = texture.map_or(1.0, |c| gain(c.rate_mhz, period_ns));
-                let width = |wire| {
-                    let one = self.drive.width(self.calibration.apply(wire, 1.0));
-                    // Rounded down: the widest stays within the limit.
-                    let wide = (f32::from(one.get()) * gain) as u16;
-                    Ticks::new(wide.min(self.guard.widest().get()).max(one.get()))
-                };
-                for (wire, (out, fired)) in self.widths.iter_mut().zip(fired).enumerate() {
-                    *out = if *fired { width(wire) } else { Ticks::ZERO };
-                }
-                due = Some((at, train.ends()));
-            }
-            if let Some((at, until, share)) = train.tap_due(now) {
-                for (wire, out) in self.widths.iter_mut().enumerate() {
-                    let most = f32::from(self.guard.widest().get());
-                    *out = Ticks::new((most * self.calibration.apply(wire, share).min(1.0)) as u16);
-                }
-                due = Some((at, until));
-            }
-            if let Some((at, until)) = due {
-                for (wire, width) in self.widths.iter_mut().enumerate() {
-                    if *width > Ticks::ZERO && !self.guard.has_time(wire, at, until) {
-                        *width = Ticks::ZERO;
-                        train.rest();
-                    }
-                }
-            }
-        }
-        if let Some((at, until)) = due {
-            self.render(now, (at, Some(until)), actuators, observer)?;
-        } else {
-            self.expire(now, actuators)?;
-        }
-        if let Some(onset) = onset {
-            observer.onset(onset, &[]);
-        }
-        Ok(onset.is_some())
-    }
-
     /// Switches off what has ended.
-    fn expire<U: Update, A: Actuators<U> + ?Sized>(
+    pub(super) fn expire<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,
@@ -444,10 +377,10 @@ impl Output {
         onset
     }
 
-    /// Finds the pulse width of every wire and the time for which it is on; with `length` all are on as long.
-    fn activate(&mut self, onset: Instant, targets: &[Target], length: Option<Duration>) {
+    /// Finds the pulse width of every wire and the time for which it is on, where that is not stated.
+    fn activate(&mut self, onset: Instant, targets: &[Target], stated: Option<Stated>) {
         if let Some(renderer) = &mut self.renderer {
-            let volleys = renderer.render(onset, targets, length, &self.guard);
+            let volleys = renderer.render(onset, targets, stated, &self.guard);
             let outputs = self.widths.iter_mut().zip(&mut self.lengths);
             for ((width, length), volley) in outputs.zip(volleys) {
                 (*width, *length) = (volley.width, volley.length);

@@ -22,10 +22,11 @@ pub struct Firmness<T> {
 pub struct Taps {
     /// Pulses per second, millihertz; at most the carrier's.
     pub rate_mhz: Firmness<u32>,
-    /// Width of the first pulse, as a share of the widest that the guard allows: short and seldom, a tap may be far stronger
-    /// than a texture that goes on and on.
+    /// Strength of the first pulse, as a share of the strongest that the guard allows: of its amplitude where the renderer
+    /// finds widths, of its width for a published law. Short and seldom, a tap may be far stronger than a texture that goes
+    /// on and on.
     pub strength: Firmness<f32>,
-    /// Time in which widths fall to 1/e.
+    /// Time in which the strength falls to 1/e.
     pub decay: Duration,
 }
 
@@ -74,16 +75,17 @@ impl Tap {
         self.start + self.since(self.period)
     }
 
-    /// Beginning and end of the pulse that is due, and its width as a share of the widest. One that was missed is left out.
-    pub(super) fn due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
+    /// Beginning of the pulse that is due, and its strength as a share of the strongest. Pulses are on for `length`; one
+    /// that was missed is left out.
+    pub(super) fn due(&mut self, now: Instant, length: Duration) -> Option<(Instant, f32)> {
         while self.next() <= now {
             let since = self.since(self.period);
-            let end = self.start + self.since(self.period + 1);
+            let at = self.start + since;
             self.period += self.step;
-            if end > now {
+            if at + length > now {
                 let gone = since.as_micros() as f32 / self.decay.as_micros().max(1) as f32;
                 let share = self.strength * libm::expf(-gone);
-                return Some((self.start + since, end, share));
+                return Some((at, share));
             }
         }
         None

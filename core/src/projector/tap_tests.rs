@@ -7,6 +7,8 @@ use super::*;
 /// 5.07904 ms.
 const CARRIER: Prescale = Prescale::new(30);
 const START: Instant = Instant::from_micros(1_000);
+/// Time for which a pulse is on.
+const ON: Duration = Duration::from_micros(2_600);
 const TAPS: Taps = Taps {
     rate_mhz: Firmness {
         soft: 60_000,
@@ -25,8 +27,8 @@ fn played(hardness: f64) -> Vec<(u64, f32)> {
     let mut all = Vec::new();
     while tap.next() < Instant::FAR_FUTURE {
         let now = tap.next();
-        let (at, until, share) = tap.due(now).unwrap();
-        assert!(at == now && until > at && until.since(START) <= LENGTH);
+        let (at, share) = tap.due(now, ON).unwrap();
+        assert!(at == now && (at + ON).since(START) <= LENGTH);
         all.push((at.since(START).as_micros(), share));
     }
     all
@@ -58,8 +60,8 @@ fn pulses_die_away_in_the_time_that_was_asked_for() {
 fn missed_pulses_are_left_out() {
     let mut tap = Tap::new(&TAPS, START, 1.0, CARRIER);
     let late = START + Duration::from_millis(12);
-    let found = tap.due(late).map(|(at, ..)| at.since(START).as_micros());
+    let found = tap.due(late, ON).map(|(at, _)| at.since(START).as_micros());
     assert_eq!(found, Some(10_158));
-    assert_eq!(tap.due(START + Duration::from_millis(200)), None);
+    assert_eq!(tap.due(START + Duration::from_millis(200), ON), None);
     assert_eq!(tap.next(), Instant::FAR_FUTURE);
 }

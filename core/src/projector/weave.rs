@@ -2,10 +2,11 @@
 //!
 //! Two carriers. On the display, the pulses of (3.1) run by themselves. On contacts, f_PWM thins out each burst: its
 //! first period always pulses, later ones where f_PWM has one, for all wires alike, so that their ratios and with
-//! them the phantom's place stay. On both, pulses get wider by the root of how many are left out, as far as the guard
-//! allows.
+//! them the phantom's place stay. On both, fewer pulses are stronger, by the root of how many are left out: the renderer
+//! finds the widths for that, and without it they grow in proportion, as far as the guard allows.
 
-use crate::texture::{Control, Pulses};
+use crate::render::Stated;
+use crate::texture::{Control, Density, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
 
 use super::tap::{Tap, Taps};
@@ -53,8 +54,16 @@ impl Weave {
         }
     }
 
-    /// Widths of pulses that feel as strong as an unthinned burst's: the felt amplitude grows with the width and
-    /// with the root of the number of pulses. None gets wider than `widest`; all grow alike.
+    /// Time for which every wire is on, and the pulses that are left of it.
+    pub(super) fn stated(&self) -> Stated {
+        Stated {
+            length: self.end.since(self.start),
+            woven: Some(self.pulses.count_ones() as u8), // at most 128
+        }
+    }
+
+    /// Widths of a published law's pulses that feel as strong as an unthinned burst's: the felt amplitude grows with the
+    /// width and with the root of the number of pulses. None gets wider than `widest`; all grow alike.
     pub(super) fn widen(&self, widths: &mut [Ticks], widest: Ticks) {
         let length = self.end.since(self.start).as_micros() * 1000;
         let all = length.div_ceil(self.period_ns) as f32;
@@ -109,8 +118,8 @@ impl Weave {
     }
 }
 
-/// Factor by which pulses at `rate_mhz` are wider than pulses of every period. The felt amplitude grows with the width
-/// and with the root of the number of pulses, so rough textures get coarser, not weaker.
+/// Factor by which a published law's pulses at `rate_mhz` are wider than pulses of every period. The felt amplitude grows
+/// with the width and with the root of the number of pulses, so rough textures get coarser, not weaker.
 pub(super) fn gain(rate_mhz: u32, period_ns: u64) -> f32 {
     let part = (u64::from(rate_mhz) * period_ns).clamp(1, WHOLE) as f32;
     libm::sqrtf(WHOLE as f32 / part)
@@ -122,6 +131,8 @@ pub(super) struct Train {
     pulses: Pulses,
     prescale: Prescale,
     period: Duration,
+    /// Time for which a pulse is on.
+    length: Duration,
     /// Start of the stroke, while there is one.
     origin: Option<Instant>,
     /// Pulses that a wire's rest swallowed.
@@ -170,9 +181,14 @@ impl Train {
         Some((at, self.pulses.next(control)))
     }
 
-    /// End of the period that was due last.
-    pub(super) fn ends(&self) -> Instant {
-        self.next_period()
+    /// Expected pulses of the texture.
+    pub(super) fn density(&self, control: &Control) -> Density {
+        self.pulses.density(control)
+    }
+
+    /// End of the pulses that begin at `at`.
+    pub(super) fn ends(&self, at: Instant) -> Instant {
+        at + self.length
     }
 
     /// Begins a tap, where taps are felt: a period after the texture's last one, since the chip's periods are not locked to ours.
@@ -187,9 +203,9 @@ impl Train {
         }
     }
 
-    /// The pulse of a tap that is due: its beginning, its end, and its width as a share of the widest.
-    pub(super) fn tap_due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
-        self.tap.as_mut()?.due(now)
+    /// The pulse of a tap that is due: its beginning, and its strength as a share of the strongest.
+    pub(super) fn tap_due(&mut self, now: Instant) -> Option<(Instant, f32)> {
+        self.tap.as_mut()?.due(now, self.length)
     }
 
     /// Counts a pulse that a wire's rest swallowed.
@@ -206,7 +222,8 @@ pub(super) enum Texture {
 }
 
 impl Texture {
-    pub(super) fn new(carrier: Carrier, prescale: Prescale) -> Self {
+    /// A texture on boards of this PRE_SCALE, whose single pulses are on for `length`.
+    pub(super) fn new(carrier: Carrier, prescale: Prescale, length: Duration) -> Self {
         match carrier {
             Carrier::Display(pulses, taps) => Self::Train(Train {
                 pulses,
@@ -214,6 +231,7 @@ impl Texture {
                 tap: None,
                 prescale,
                 tapped: 0,
+                length,
                 period: Duration::from_micros(prescale.period_ns() / 1000),
                 origin: None,
                 rested: 0,

@@ -5,6 +5,7 @@
 
 mod borne;
 mod pattern;
+mod pulse;
 mod reached;
 mod reserve;
 mod response;
@@ -84,9 +85,13 @@ pub struct RenderSettings {
     pub pattern: Pattern,
     /// Felt amplitude of a pulse by its width.
     pub response: Response,
+    /// Responses of a texture's bursts, each with its number of pulses, ascending; none where no texture is felt.
+    pub woven: Box<[(u8, Response)]>,
     /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: the most that a contact of
     /// weight 1 shall have. [`Response::full`] where no level is asked for.
     pub full: f32,
+    /// Amplitude of a vibration's pulses on one wire that is felt as strongly as a texture shall be, in the response's unit.
+    pub texture: f32,
     /// Rule by which several contacts share wires.
     pub sharing: Sharing,
     /// Calibration of this person by wire. Thresholds are the published laws': here a weak wire may be below its own,
@@ -101,6 +106,26 @@ pub struct Volley {
     pub width: Ticks,
     /// Time for which the wire is on.
     pub length: Duration,
+}
+
+impl RenderSettings {
+    /// Response to bursts of so many pulses that a texture leaves; of whole bursts for `None`.
+    fn answer(&self, woven: Option<u8>) -> &Response {
+        let row = woven.and_then(|pulses| {
+            let enough = self.woven.iter().find(|(row, _)| *row >= pulses);
+            enough.or(self.woven.last())
+        });
+        row.map_or(&self.response, |(_, response)| response)
+    }
+}
+
+/// Bursts of which another has chosen the length, such as those of a texture or a known stroke.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stated {
+    /// Time for which every wire is on.
+    pub length: Duration,
+    /// Pulses that a texture leaves of every burst; `None` for as many as fit in.
+    pub woven: Option<u8>,
 }
 
 /// The renderer and all its memory.
@@ -151,56 +176,59 @@ impl Renderer {
         self.settings.response.width(self.settings.full * weight)
     }
 
-    /// Pulses of every wire at the onset `at` for these contacts, within what the guard leaves. With `length` all
-    /// bursts are as long, such as those of a texture or a known stroke; else the pattern says.
+    /// Pulses of every wire at the onset `at` for these contacts, within what the guard leaves. All bursts are as
+    /// `stated`; else the pattern says.
     pub fn render(
         &mut self,
         at: Instant,
         targets: &[Target],
-        length: Option<Duration>,
+        stated: Option<Stated>,
         guard: &Guard,
     ) -> &[Volley] {
         self.amplitudes.fill(0.0);
         self.volleys.fill(Volley::default());
         let mut scale = f32::INFINITY;
         for target in targets {
-            scale = scale.min(self.aim(at, target, length, guard));
+            scale = scale.min(self.aim(at, target, stated, guard));
         }
-        let part = self.widen(at, guard);
+        let part = self.widen(at, stated.and_then(|s| s.woven), guard);
         self.reached.add(scale * part);
+        self.spend(at, guard);
+        &self.volleys
+    }
+
+    /// Takes the pulses from the reserves of their wires.
+    fn spend(&mut self, at: Instant, guard: &Guard) {
         for (reserve, volley) in self.reserves.iter_mut().zip(&self.volleys) {
             if volley.width > Ticks::ZERO {
                 reserve.spend(at, guard.energy_nj(volley.width, volley.length));
             }
         }
-        &self.volleys
     }
 
     /// Adds amplitudes and pulses of one contact, scaled to what its wires bear, to those of others. Returns the part
     /// of full level that is left to the contact; infinite for a contact beyond the display.
-    fn aim(
-        &mut self,
-        at: Instant,
-        target: &Target,
-        length: Option<Duration>,
-        guard: &Guard,
-    ) -> f32 {
+    fn aim(&mut self, at: Instant, target: &Target, stated: Option<Stated>, guard: &Guard) -> f32 {
         let RenderSettings {
             law,
             style,
             pattern,
-            response,
             full,
             sharing,
             calibration,
+            ..
         } = &self.settings;
+        let response = self.settings.answer(stated.and_then(|s| s.woven));
         let track = self.tracks.follow(target.place, at);
         let tap = style.taps(track.rests, pattern);
+        let lasts = |pulses: u8| stated.map_or(pattern.lasts(pulses), |s| s.length);
         let period_ns = guard.prescale().period_ns();
-        let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));
-        let lasts = |pulses: u8| length.unwrap_or(pattern.lasts(pulses));
-        let most = fit.map_or(pattern.pulses(tap), |n| n.clamp(1, 255) as u8);
-        match length {
+        let fit = |length: Duration| (length.as_micros() * 1000).div_ceil(period_ns);
+        let most = stated.map_or(pattern.pulses(tap), |s| {
+            let fit = fit(s.length).clamp(1, 255) as u8;
+            s.woven.map_or(fit, |pulses| pulses.clamp(1, fit))
+        });
+        match stated {
             None => law.split(target.place, most, &mut self.one, &mut self.counts),
             Some(_) => {
                 law.activate(target.place, &mut self.one);
@@ -250,14 +278,15 @@ impl Renderer {
 
     /// Converts amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker
     /// alike: each keeps its part of the power. Returns the part of every amplitude that is left.
-    fn widen(&mut self, at: Instant, guard: &Guard) -> f32 {
+    fn widen(&mut self, at: Instant, woven: Option<u8>, guard: &Guard) -> f32 {
+        let response = self.settings.answer(woven);
         let bears = SLOW * guard.fingertip_nj(at) as f32;
         let mut left = 1.0;
         for _ in 0..=CORRECTIONS {
             let mut total = 0;
             for (volley, amplitude) in self.volleys.iter_mut().zip(&self.amplitudes) {
                 if *amplitude > 0.0 {
-                    volley.width = self.settings.response.width(*amplitude);
+                    volley.width = response.width(*amplitude);
                     total += guard.energy_nj(volley.width, volley.length);
                 }
             }

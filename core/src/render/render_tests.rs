@@ -36,7 +36,9 @@ impl Rig {
             style,
             pattern,
             full: Response::linear(guard.widest()).full(),
+            texture: Response::linear(guard.widest()).full(),
             response: Response::linear(guard.widest()),
+            woven: Box::default(),
             sharing: Sharing::default(),
             calibration: Calibration::even(8),
         };

@@ -81,6 +81,9 @@ impl Activation {
     }
 }
 
+/// The square root of 2 pi: the area under a Gaussian of height and spread 1.
+const GAUSSIAN: f64 = 2.506_628_274_631;
+
 /// Places of wires along the longer side of their array, in gaps of `gap` mm from the first.
 pub fn along(places: &[Point], gap: f32) -> Box<[f32]> {
     let span = |of: fn(&Point) -> f32| {
@@ -102,6 +105,15 @@ pub fn along(places: &[Point], gap: f32) -> Box<[f32]> {
         }
     };
     places.iter().map(|p| of(p) / gap).collect()
+}
+
+/// Expected pulses of a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Density {
+    /// Pulses of one wire, each time that the surface passes it.
+    pub pass: f32,
+    /// Pulses a second of all wires together, on average.
+    pub all_hz: f32,
 }
 
 /// One wire's draw.
@@ -153,6 +165,25 @@ impl Pulses {
     /// Start of the next period.
     pub const fn at(&self) -> Instant {
         Instant::from_micros(self.periods * self.period_ns / 1000)
+    }
+
+    /// Expected pulses, with every mean of (3.1) well within the interval.
+    pub fn density(&self, control: &Control) -> Density {
+        let Activation {
+            alpha,
+            beta,
+            interval,
+            ..
+        } = self.activation;
+        let [sigma_s, interval_s] = [control.sigma, interval].map(Duration::as_secs_f64);
+        let carrier_hz = 1e9 / self.period_ns as f64;
+        let rate_hz = (f64::from(control.rate_mhz) * 1e-3).min(carrier_hz);
+        let pass = rate_hz * beta * (GAUSSIAN * sigma_s).min(interval_s);
+        let each_hz = rate_hz * alpha + pass / interval_s;
+        Density {
+            pass: pass as f32,
+            all_hz: (self.wires.len() as f64 * each_hz) as f32,
+        }
     }
 
     /// Begins a stroke anew. The random streams go on.

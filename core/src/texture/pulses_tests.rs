@@ -95,6 +95,32 @@ fn the_rate_is_kept_and_never_above_the_carriers() {
     }
 }
 
+/// A minute's pulses are as dense as their density says, and a wire's passes have as many. The means lie two spreads and
+/// more within the interval, so its ends cut off a hundredth.
+#[test]
+fn the_density_is_that_of_the_pulses() {
+    for control in [
+        control(60, 35, 196_000),
+        control(160, 20, 40_000),
+        control(160, 20, 400_000),
+    ] {
+        let mut pulses = Pulses::new(activation(), Draw::Diffusion, CARRIER, &LINE, 1);
+        let mut fired = 0;
+        while pulses.at() < Instant::from_micros(60_000_000) {
+            fired += pulses.next(&control).iter().filter(|fired| **fired).count();
+        }
+        let density = pulses.density(&control);
+        let each_second = fired as f32 / 60.0;
+        let off = each_second / density.all_hz - 1.0;
+        assert!(off.abs() < 0.02, "{control:?}: {each_second} {density:?}");
+        // All but the offset's pulses are of a pass; there are 100 in a minute.
+        let rate_hz = (control.rate_mhz as f32 * 1e-3).min(196.89);
+        let passes = each_second / 3.0 - 0.02 * rate_hz;
+        let off = passes * 0.6 / density.pass - 1.0;
+        assert!(off.abs() < 0.02, "{control:?}: {passes} {density:?}");
+    }
+}
+
 #[test]
 fn a_sum_of_one_or_more_is_refused() {
     let of = |alpha, beta| Activation::new(alpha, beta, Duration::ZERO, Duration::from_millis(1));

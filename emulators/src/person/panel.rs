@@ -66,14 +66,34 @@ const WEBER: f64 = 0.2;
 /// The share of the other dimension in what is rated on a display.
 const HALO: f64 = 0.25;
 
+/// Pressure of a fingerpad on a surface, N/mm2: 1 N on 1 cm2. Assumed.
+const PRESSURE_N_PER_MM2: f64 = 0.01;
+/// Plane-strain modulus of a fingerpad, N/mm2. Assumed: Young's modulus of 0.05 over three quarters.
+const SKIN_N_PER_MM2: f64 = 0.067;
+/// Exponent by which roughness grows with the number of gaps under the finger. Assumed: published is that it grows, and that it
+/// weighs less than the depth.
+const GAPS: f64 = 0.5;
+
+/// Roughness of a surface under a bare finger, any unit, by root mean square relief and wavelength in mm. Two components make up the skin's
+/// deformation (Drewing 2016): the depth to which skin goes in between two elements, which grows with their distance until it
+/// touches the ground, and the number of gaps under the finger, which falls with it. So roughness grows with the wavelength
+/// of a high relief and falls with that of a low one.
+///
+/// An elastic half-space touches the ground of a sine of amplitude a where the pressure is at least pi E* a / lambda
+/// (Johnson 1985); at a smaller one skin goes in as much less.
+pub fn felt_roughness(relief_mm: f64, wavelength_mm: f64) -> f64 {
+    let slope =
+        PRESSURE_N_PER_MM2 / (core::f64::consts::SQRT_2 * core::f64::consts::PI * SKIN_N_PER_MM2);
+    let depth_mm = relief_mm.min(slope * wavelength_mm);
+    depth_mm * libm::pow(wavelength_mm, -GAPS)
+}
+
 /// Ratings by a bare finger of a surface whose friction is
 /// against that finger: hardness, roughness and friction, 1 to 6.
 ///
-/// - Hardness grows with a power of stiffness (Harper and Stevens 1964), roughness with one of the grain of abrasives (Stevens
-///   and Harris 1962). Of such continua people rate categories nearly by logarithms (Stevens and Galanter 1957), in which
-///   a power is a factor: between the ends of a scale it cancels.
-/// - An abrasive's grain sets height and spacing of its relief alike. Here it is their geometric mean, since both make a surface
-///   rougher (Lederman 1974 by grooves, Blake, Hsiao and Johnson 1997 by heights of dots).
+/// - Hardness grows with a power of stiffness (Harper and Stevens 1964), roughness with one of what the skin is deformed
+///   ([`felt_roughness`]). Of such continua people rate categories nearly by logarithms (Stevens and Galanter 1957), in
+///   which a power is a factor: between the ends of a scale it cancels.
 /// - On a line from slippery to sticky people place surfaces by their coefficient of friction (Smith and Scott 1996).
 ///
 /// The ends that were shown are assumed: those of the emulated materials.
@@ -82,12 +102,16 @@ pub fn bare_finger(of: &SurfaceTexture) -> [f64; 3] {
     let by_ratio = |value: f64, (low, high): (f64, f64)| {
         share(libm::log(value), (libm::log(low), libm::log(high)))
     };
-    let grain = |relief_mm: f64, wavelength_mm: f64| libm::sqrt(relief_mm * wavelength_mm);
     let (relief, wavelength) = (surface::RELIEF_MM, surface::WAVELENGTH_MM);
-    let grains = (grain(relief.0, wavelength.0), grain(relief.1, wavelength.1));
+    // Coarse waves are the roughest of the highest relief and the smoothest of the lowest.
+    let smoothest = felt_roughness(relief.0, wavelength.1);
+    let roughest = felt_roughness(relief.1, wavelength.1);
     let shares = [
         by_ratio(of.stiffness_n_per_mm, surface::STIFFNESS_N_PER_MM),
-        by_ratio(grain(of.relief_mm, of.wavelength_mm), grains),
+        by_ratio(
+            felt_roughness(of.relief_mm, of.wavelength_mm),
+            (smoothest, roughest),
+        ),
         share(of.friction, surface::FRICTION),
     ];
     shares.map(|share| 1.0 + 5.0 * share.clamp(0.0, 1.0))

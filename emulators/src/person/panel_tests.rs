@@ -118,14 +118,28 @@ fn a_bare_finger_feels_the_surfaces_own_properties() {
             assert!((felt - wanted).abs() < 1e-9, "{surface:?}: {felt} {wanted}");
         }
     };
-    near(surface(1.0, [0.005, 0.3], 0.3), [1.0; 3]);
+    near(surface(1.0, [0.005, 5.0], 0.3), [1.0; 3]);
     near(surface(100.0, [0.35, 5.0], 1.5), [6.0; 3]);
-    // Half the height at twice the spacing is the same grain.
-    let [relief, wavelength] = [(0.005_f64 * 0.35).sqrt(), (0.3_f64 * 5.0).sqrt()];
-    near(surface(10.0, [relief, wavelength], 0.9), [3.5; 3]);
-    near(
-        surface(10.0, [relief / 2.0, wavelength * 2.0], 0.9),
-        [3.5; 3],
-    );
+    let ends = (felt_roughness(0.005, 5.0), felt_roughness(0.35, 5.0));
+    // Skin touches the ground of this relief, and it is in the middle of the scale.
+    let middle = (ends.0 * ends.1).sqrt();
+    near(surface(10.0, [middle, 1.0], 0.9), [3.5; 3]);
     near(surface(1e9, [0.0, 1.0], f64::INFINITY), [6.0, 1.0, 6.0]);
+}
+
+#[test]
+fn coarser_waves_are_rougher_where_skin_cannot_reach_the_ground_and_smoother_where_it_does() {
+    let of = felt_roughness;
+    let low = [0.5, 1.0, 2.0, 5.0].map(|wavelength| of(0.01, wavelength));
+    assert!(low.is_sorted_by(|a, b| a > b), "{low:?}");
+    let high = [0.5, 1.0, 2.0, 5.0].map(|wavelength| of(0.3, wavelength));
+    assert!(high.is_sorted(), "{high:?}");
+    // Between them an inverted U: the peak is where the skin begins to touch.
+    let peak = 0.05 / of(1.0, 1.0);
+    for wavelength in [0.5 * peak, 0.9 * peak, 1.1 * peak, 2.0 * peak] {
+        assert!(of(0.05, wavelength) < of(0.05, peak), "{wavelength}");
+    }
+    // Deeper than skin reaches, a higher relief is no rougher; else it is, in proportion.
+    assert_eq!(of(0.2, 1.0).to_bits(), of(0.3, 1.0).to_bits());
+    assert!((of(0.02, 1.0) / of(0.01, 1.0) - 2.0).abs() < 1e-12);
 }

@@ -38,9 +38,9 @@ pub struct BothFirm {
 pub struct TapFile {
     /// Pulses per second, Hz; rates above the carrier's are felt no faster.
     pub rate_hz: BothFirm,
-    /// Width of the first pulse, a share of the widest that the guard allows.
+    /// Strength of the first pulse, a share of the strongest that the guard allows.
     pub strength: BothFirm,
-    /// Time in which widths fall to 1/e, ms.
+    /// Time in which the strength falls to 1/e, ms.
     pub decay_ms: f64,
 }
 

@@ -31,8 +31,8 @@ settings! {
         /// The style in which `inverse` renders a contact.
         #[serde(with = "words::Style")]
         pub render: Style = Style::Smooth,
-        /// Strength at which `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left
-        /// out: the strongest that the limits permit.
+        /// Strength at which `inverse` lets a contact at the top level and a texture be felt, dB over the wearer's threshold.
+        /// Left out: the strongest that the limits permit for a contact, 5 for a texture.
         pub level_db: Option<f64>,
         /// The rule by which several contacts share wires.
         #[serde(with = "words::Sharing")]

@@ -113,6 +113,9 @@ pub struct ResponseArgs {
     /// Seed of the strokes and the materials; `default` was trained on strokes of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
+    /// Repeat the probes with seeds 1 to N, and print the median and the range of each crosstalk.
+    #[arg(long, value_name = "N", conflicts_with_all = ["seed", "materials"], value_parser = super::whole::<u64, 2, 1000>, allow_hyphen_values = true)]
+    pub seeds: Option<u64>,
     /// Print JSON in place of tables.
     #[arg(long)]
     pub json: bool,
@@ -169,9 +172,9 @@ pub struct PanelArgs {
     /// Person whose fingers feel the display: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
-    /// Duty of a pulse; left out: what eight wires of the default bench bear at the densest.
-    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
-    pub beta: Option<f64>,
+    /// Level of a texture over the wearer's threshold, dB; left out: 5.
+    #[arg(long, value_name = "DB", allow_hyphen_values = true)]
+    pub level: Option<f64>,
     /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,

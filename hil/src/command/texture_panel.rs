@@ -30,8 +30,8 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let mut overrides = Overrides::default();
     overrides.scene("--person", "illusion.person", &args.person);
-    if let Some(beta) = args.beta {
-        overrides.scene("--beta", "illusion.beta", beta);
+    if let Some(level_db) = args.level {
+        overrides.scene("--level", "illusion.level_db", level_db);
     }
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
     let outputs = Outputs::of(args.force);

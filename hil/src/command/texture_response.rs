@@ -45,13 +45,21 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let dead = load_textures("thesis")?.value.dead_taxel;
     let shown = Progress::of_part("strokes");
-    let (done, all) = (AtomicU32::new(0), response::surfaces(args.materials));
+    let materials = args.seeds.map_or(args.materials, |_| 0);
+    let (done, each) = (AtomicU32::new(0), response::surfaces(materials));
+    let all = f64::from(each) * args.seeds.unwrap_or(1) as f64;
     let passed = || {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        shown.part(f64::from(done) / f64::from(all));
+        shown.part(f64::from(done) / all);
     };
-    let how = (args.strokes, args.materials as usize);
-    let found = response::response(&model, how, (dead, args.seed), passed)?;
+    let how = (args.strokes, materials as usize);
+    let of = |seed| response::response(&model, how, (dead, seed), passed);
+    if let Some(seeds) = args.seeds {
+        let found: Vec<_> = (1..=seeds).map(of).collect::<Result<_, _>>()?;
+        drop(shown);
+        return spreads(args, &found);
+    }
+    let found = of(args.seed)?;
     drop(shown);
     if args.json {
         let rows: Vec<_> = found.iter().flat_map(rows).collect();
@@ -60,15 +68,69 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     print(|out| tables(args, &found, out))
 }
 
+/// Prints the crosstalk of each coordinate over all seeds.
+fn spreads(args: &ResponseArgs, seeds: &[Vec<Coordinate>]) -> Result<(), Failure> {
+    let coordinates = seeds.first().map_or(&[][..], Vec::as_slice);
+    let of = |place: usize, factor: Factor| response::spread(seeds, place, factor);
+    if args.json {
+        let row = |(place, coordinate): (usize, &Coordinate), factor: Factor| {
+            json!({
+                "coordinate": standing(coordinate),
+                "property": factor.name(),
+                "own": coordinate.own() == factor,
+                "seeds": seeds.len(),
+                "crosstalk": of(place, factor).map(|spread| json!({
+                    "median": round(spread.median),
+                    "least": round(spread.least),
+                    "largest": round(spread.largest),
+                })),
+            })
+        };
+        let each = coordinates.iter().enumerate();
+        let rows = each.flat_map(|one| Factor::ALL.map(|factor| row(one, factor)));
+        return print_json(&rows.collect::<Vec<_>>());
+    }
+    print(|out| {
+        writeln!(
+            out,
+            "Crosstalk over seeds 1 to {}: the median, and the least to the largest; {} emulated strokes each.\n",
+            seeds.len(),
+            args.strokes
+        )?;
+        write!(out, "{:<14}", "")?;
+        for factor in Factor::ALL {
+            write!(out, " {:>18}", factor.name())?;
+        }
+        writeln!(out)?;
+        for (place, coordinate) in coordinates.iter().enumerate() {
+            write!(out, "{:<14}", name(coordinate))?;
+            for factor in Factor::ALL {
+                let cell = match of(place, factor) {
+                    _ if factor == coordinate.own() => "own".to_owned(),
+                    None => "-".to_owned(),
+                    Some(found) => format!(
+                        "{:.2} ({:.2} to {:.2})",
+                        round(found.median),
+                        round(found.least),
+                        round(found.largest)
+                    ),
+                };
+                write!(out, " {cell:>18}")?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
 /// Response of one coordinate to each factor, as objects. Correlations are over unseen materials where some were drawn,
 /// and over one factor at a time else.
 fn rows(coordinate: &Coordinate) -> Vec<serde_json::Value> {
     let row = |(n, factor): (usize, Factor)| {
         let answer = coordinate.answer(factor);
         let partial = coordinate.partial.and_then(|p| p.get(n).copied());
-        let standing = (!coordinate.stands_for.is_empty()).then_some(coordinate.stands_for);
         json!({
-            "coordinate": standing.map_or_else(|| format!("z{}", coordinate.number), str::to_owned),
+            "coordinate": standing(coordinate),
             "number": coordinate.number,
             "sign": coordinate.sign,
             "property": factor.name(),
@@ -104,6 +166,14 @@ fn table(
         writeln!(out)?;
     }
     Ok(())
+}
+
+/// The property that a coordinate stands for, else its number as in `z1`.
+fn standing(coordinate: &Coordinate) -> String {
+    match coordinate.stands_for {
+        "" => format!("z{}", coordinate.number),
+        property => property.to_owned(),
+    }
 }
 
 fn name(coordinate: &Coordinate) -> String {

@@ -465,3 +465,25 @@ fn a_response_says_what_each_coordinate_makes_of_each_property() {
     }
     refused_with(&["texture", "response", "missing"], &["missing"]);
 }
+
+#[test]
+fn a_response_over_several_seeds_has_the_median_and_the_range_of_each_crosstalk() {
+    let ask = ["texture", "response", "--strokes", "1", "--seeds", "3"];
+    let json = good(&[&ask[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rows = json.as_array().unwrap();
+    assert_eq!(rows.len(), 3 * 6, "coordinates times factors");
+    for row in rows {
+        let of = |figure: &str| row["crosstalk"][figure].as_f64().unwrap();
+        let (least, median, largest) = (of("least"), of("median"), of("largest"));
+        assert!(least <= median && median <= largest, "{row}");
+        assert_eq!(row["own"] == true, (least, largest) == (1.0, 1.0), "{row}");
+        assert_eq!(row["seeds"], 3);
+    }
+    let table = good(&ask);
+    for part in ["seeds 1 to 3", "z1 roughness", "own", " to "] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let both = ["texture", "response", "--seeds", "3", "--seed", "2"];
+    refused_with(&both, &["--seed"]);
+}

@@ -198,6 +198,34 @@ pub fn response(
     Ok((0..model.latents()).map(coordinate).collect())
 }
 
+/// Crosstalk of a coordinate over several seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Median over the seeds.
+    pub median: f64,
+    /// Least of all seeds.
+    pub least: f64,
+    /// Largest of all seeds.
+    pub largest: f64,
+}
+
+/// Crosstalk of a coordinate, by its place, with a factor over responses of several seeds; `None` where it does not answer its
+/// own property in each of them.
+pub fn spread(seeds: &[Vec<Coordinate>], place: usize, factor: Factor) -> Option<Spread> {
+    let of = |found: &Vec<Coordinate>| found.get(place)?.crosstalk(factor);
+    let mut all = seeds.iter().map(of).collect::<Option<Vec<f64>>>()?;
+    all.sort_unstable_by(f64::total_cmp);
+    let middle = [
+        all.get(all.len().checked_sub(1)? / 2)?,
+        all.get(all.len() / 2)?,
+    ];
+    Some(Spread {
+        median: middle.into_iter().sum::<f64>() / 2.0,
+        least: *all.first()?,
+        largest: *all.last()?,
+    })
+}
+
 /// Range of values: largest less smallest.
 fn span(values: &[f64]) -> f64 {
     let (low, high) = values

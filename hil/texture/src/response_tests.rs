@@ -60,3 +60,32 @@ fn a_coordinate_that_tells_one_property_answers_that_one_alone() {
         assert!(off.abs() < 1e-9, "{factor:?} {off}");
     }
 }
+
+#[test]
+fn a_spread_is_the_median_of_all_seeds_between_the_least_and_the_largest() {
+    // The second factor moves the coordinate by this share of what its own does.
+    let seed = |shares: f64| {
+        let answer = |span: f64| Answer { rank: 1.0, span };
+        let mut answers = [answer(0.0); FACTORS];
+        (answers[0], answers[1]) = (answer(0.8), answer(0.8 * shares));
+        vec![Coordinate {
+            number: 1,
+            sign: 1,
+            stands_for: "roughness",
+            answers,
+            partial: None,
+        }]
+    };
+    let all = [0.5, 0.2, 0.9, 0.4].map(seed);
+    let [relief, other] = [Factor::ALL[0], Factor::ALL[1]];
+    assert_eq!(relief, Factor::Relief);
+    let found = spread(&all, 0, other).unwrap();
+    let near = |value: f64, wanted: f64| assert!((value - wanted).abs() < 1e-12, "{found:?}");
+    near(found.median, 0.45);
+    near(found.least, 0.2);
+    near(found.largest, 0.9);
+    let odd = spread(&all[..3], 0, other).unwrap();
+    assert!((odd.median - 0.5).abs() < 1e-12, "{odd:?}");
+    assert_eq!(spread(&all, 1, other), None);
+    assert_eq!(spread(&[], 0, other), None);
+}

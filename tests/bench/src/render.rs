@@ -98,7 +98,9 @@ impl Rig {
             style: Style::Smooth,
             pattern,
             full: Response::linear(guard.widest()).full(),
+            texture: Response::linear(guard.widest()).full(),
             response: Response::linear(guard.widest()),
+            woven: Box::default(),
             sharing: Sharing::default(),
             calibration: Calibration::even(wires),
         };

@@ -155,7 +155,9 @@ fn render(
         style: illusion.render,
         pattern,
         response: felt.response,
+        woven: responses.woven(setup, guard, &pattern)?,
         full: felt.threshold,
+        texture: felt.threshold,
         sharing: illusion.sharing,
         calibration: calibration.clone(),
     };

@@ -4,17 +4,22 @@ use palpate_core::guard::Guard;
 use palpate_core::projector::Projector;
 use palpate_core::render::RenderSettings;
 use palpate_emulators::person::channels::Levels;
+use palpate_emulators::time::Nanos;
 use palpate_files::{Setup, Wearer};
 
-use super::response::Bursts;
+use super::response::{Bursts, Series};
 use crate::failure::Failure;
+
+/// Level of a texture where the scene asks for none, dB over the wearer's threshold: as long as a texture lasts its pulses
+/// need heat, so it takes no more than being felt does.
+const TEXTURE_DB: f64 = 5.0;
 
 /// Decibels of a part of an amplitude.
 pub(crate) fn decibels(part: f32) -> f64 {
     20.0 * libm::log10(f64::from(part))
 }
 
-/// Sets full level to the one that the scene asks for. `settings` come with full level at the wearer's threshold.
+/// Sets full level and a texture's to the one that the scene asks for. `settings` come with both at the wearer's threshold.
 ///
 /// # Errors
 /// A wearer who feels nothing of one wire at the limits, and a level that it never has.
@@ -40,6 +45,8 @@ pub(super) fn ask(
         );
         return Err(wearer.source.bad(key, expected).into());
     }
+    let threshold = settings.full;
+    let over = |db: f64| threshold * libm::pow(10.0, db / 20.0) as f32;
     settings.full = match setup.scene.value.illusion.level_db {
         None => settings.response.full(),
         Some(db) if db > most_db => {
@@ -55,8 +62,10 @@ pub(super) fn ask(
             };
             return Err(source.bad("illusion.level_db", expected).into());
         }
-        Some(db) => settings.full * libm::pow(10.0, db / 20.0) as f32,
+        Some(db) => over(db),
     };
+    let level_db = setup.scene.value.illusion.level_db;
+    settings.texture = over(level_db.unwrap_or(TEXTURE_DB)).min(settings.full);
     Ok(())
 }
 
@@ -69,6 +78,14 @@ pub(crate) fn strongest(setup: &Setup, projector: &Projector) -> Result<f64, Fai
     let (guard, timing) = (projector.guard(), projector.timing());
     let pulses = (timing.duration.as_micros() * 1000).div_ceil(guard.prescale().period_ns());
     let bursts = Bursts::new(setup, super::emulated_person(setup))?;
-    let [.., felt] = bursts.felt(guard.widest(), guard.prescale(), (pulses, timing.soa));
+    let [.., felt] = bursts.felt(
+        guard.widest(),
+        guard.prescale(),
+        Series {
+            pulses,
+            spacing: Nanos(guard.prescale().period_ns()),
+            every: timing.soa,
+        },
+    );
     Ok(felt.map_or(Levels::SILENT, |felt| felt.levels).db())
 }

@@ -9,7 +9,7 @@ use palpate_core::units::{Duration, Prescale, Ticks};
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Felt, Perceiver, Person};
 use palpate_emulators::time::Nanos;
-use palpate_files::Setup;
+use palpate_files::{Both, FeltBy, Setup};
 
 use crate::failure::Failure;
 
@@ -19,6 +19,10 @@ const SAMPLES: u16 = 12;
 /// moves it less, so no table by width alone is right at every burst. A contact that moves has a wire for a few bursts: among
 /// those tried one burst before keeps level and place best (docs/render.md).
 const BEFORE: u64 = 1;
+/// Roughnesses, even over their range, of which the response to a texture's passes is computed.
+const PASSES: u32 = 5;
+/// The square root of 2 pi: the area under a Gaussian of height and spread 1.
+const GAUSSIAN: f64 = 2.506_628_274_631;
 /// Bursts that count.
 const COUNTED: usize = 2;
 
@@ -48,6 +52,63 @@ pub(super) struct FeltResponse {
     pub threshold: f32,
 }
 
+/// Bursts that come again and again.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Series {
+    /// Pulses of a burst.
+    pub pulses: u64,
+    /// Time from pulse to pulse.
+    pub spacing: Nanos,
+    /// Time from burst to burst.
+    pub every: Duration,
+}
+
+impl From<&Pattern> for Series {
+    /// A vibration.
+    fn from(pattern: &Pattern) -> Self {
+        Self {
+            pulses: u64::from(pattern.pulses(false)),
+            spacing: Nanos(pattern.prescale().period_ns()),
+            every: pattern.timing().soa,
+        }
+    }
+}
+
+/// Bursts that a scene's texture leaves, from the fewest pulses on; none without a texture. Of a contact's burst some pulses
+/// are left out. With the display to itself a texture passes each wire once in the interval of (3.1).
+fn woven(setup: &Setup, pattern: &Pattern) -> Vec<Series> {
+    let (Some(felt), Some(stroked)) = (&setup.scene.value.texture, &setup.texture) else {
+        return Vec::new();
+    };
+    let whole = Series::from(pattern);
+    if felt.carrier == FeltBy::Contacts {
+        let length = whole.spacing.0 * (whole.pulses - 1);
+        let left = |pulses: u64| Series {
+            pulses,
+            spacing: Nanos(length / (pulses - 1)),
+            every: whole.every,
+        };
+        return (2..=whole.pulses).map(left).collect();
+    }
+    let file = &stroked.activation.value;
+    let pass = |step: u32| {
+        let rough = 1.0 - f64::from(step) / f64::from(PASSES - 1);
+        let between = |ends: Both| ends.smooth + (ends.rough - ends.smooth) * rough;
+        let carrier_hz = 1e9 / whole.spacing.0 as f64;
+        let densest_hz = file.beta * between(file.rate_hz).min(carrier_hz);
+        let pulses = densest_hz * GAUSSIAN * between(file.sigma_ms) * 1e-3;
+        Series {
+            pulses: pulses.round().max(1.0) as u64,
+            spacing: Nanos((1e9 / densest_hz.max(1.0)) as u64),
+            every: Duration::from_micros((file.interval_ms * 1e3).round() as u64),
+        }
+    };
+    let mut passes: Vec<Series> = (0..PASSES).map(pass).collect();
+    passes.sort_by_key(|series| series.pulses);
+    passes.dedup_by_key(|series| series.pulses);
+    passes
+}
+
 /// Inputs of a response.
 #[derive(PartialEq)]
 struct Question {
@@ -56,7 +117,8 @@ struct Question {
     amps: f64,
     person: Person,
     widest: Ticks,
-    pattern: Pattern,
+    prescale: Prescale,
+    series: Series,
 }
 
 /// Responses that are known already. Passes and fingers of one run mostly ask the same.
@@ -71,6 +133,30 @@ impl Responses {
         guard: &Guard,
         pattern: &Pattern,
     ) -> Result<FeltResponse, Failure> {
+        self.to(setup, guard, (pattern.prescale(), pattern.into()))
+    }
+
+    /// Responses to the bursts that a scene's texture leaves, each with its number of pulses.
+    pub(super) fn woven(
+        &self,
+        setup: &Setup,
+        guard: &Guard,
+        pattern: &Pattern,
+    ) -> Result<Box<[(u8, Response)]>, Failure> {
+        let row = |series: Series| {
+            let felt = self.to(setup, guard, (pattern.prescale(), series))?;
+            Ok((series.pulses.min(255) as u8, felt.response))
+        };
+        woven(setup, pattern).into_iter().map(row).collect()
+    }
+
+    /// The response to bursts that come again and again.
+    fn to(
+        &self,
+        setup: &Setup,
+        guard: &Guard,
+        (prescale, series): (Prescale, Series),
+    ) -> Result<FeltResponse, Failure> {
         let bench = &setup.bench.value;
         let planned = match setup.drawn {
             Some(drawn) if drawn.is_identified => (drawn.wire, drawn.tissue),
@@ -82,7 +168,8 @@ impl Responses {
             amps: bench.drive.current_ma * 1e-3,
             person: super::person::believed(setup)?,
             widest: guard.widest(),
-            pattern: *pattern,
+            prescale,
+            series,
         };
         let mut known = self.0.borrow_mut();
         if let Some((_, felt)) = known.iter().find(|(asked, _)| *asked == question) {
@@ -95,15 +182,14 @@ impl Responses {
 }
 
 fn response(bursts: &Bursts, question: &Question) -> FeltResponse {
-    let (widest, pattern) = (question.widest.get(), &question.pattern);
-    let (timing, pulses) = (pattern.timing(), u64::from(pattern.pulses(false)));
+    let (widest, series) = (question.widest.get(), question.series);
     let (mut known, mut threshold) = (vec![(0, 0.0)], None);
     for sample in 1..=SAMPLES {
         let width = (u32::from(widest) * u32::from(sample)).div_ceil(u32::from(SAMPLES)) as u16;
         if known.last().is_none_or(|(last, _)| width > *last) {
-            let felt = bursts.felt(Ticks::new(width), pattern.prescale(), (pulses, timing.soa));
+            let felt = bursts.felt(Ticks::new(width), question.prescale, series);
             let amplitudes =
-                felt.map(|felt| libm::sqrt(felt.map_or(0.0, |f| f.energy / pulses as f64)));
+                felt.map(|felt| libm::sqrt(felt.map_or(0.0, |f| f.energy / series.pulses as f64)));
             let [first, second] = amplitudes;
             // Their geometric mean, as levels are in dB.
             let amplitude = libm::sqrt(first * second);
@@ -151,21 +237,21 @@ impl Bursts {
         })
     }
 
-    /// Sensations of two bursts of `pulses` pulses of this width, once wire and tissue have got warm.
+    /// Sensations of two bursts of pulses of this width, once wire and tissue have got warm.
     pub fn felt(
         &self,
         width: Ticks,
         prescale: Prescale,
-        (pulses, soa): (u64, Duration),
+        series: Series,
     ) -> [Option<Felt>; COUNTED] {
         let (mut wire, mut perceiver) = (self.wire.clone(), self.perceiver.clone());
         let wide = Nanos(u64::from(width.get()) * prescale.tick_ns());
-        let soa = soa.as_micros();
+        let soa = series.every.as_micros();
         let mut burst = |n: u64| {
             let start = Nanos::from_micros(n * soa);
             perceiver.onset();
-            for pulse in 0..pulses {
-                let at = start + Nanos(pulse * prescale.period_ns());
+            for pulse in 0..series.pulses {
+                let at = start + Nanos(pulse * series.spacing.0);
                 wire.set_current(at, self.amps);
                 wire.set_current(at + wide, 0.0);
             }
