@@ -19,11 +19,11 @@ use space::{GIVEN, Knobs};
 pub const POINTS: u32 = 64;
 /// Seeds that choose the settings, and those that score them.
 const CHOOSING: [u64; 3] = [6, 7, 8];
-const SCORING: [u64; 5] = [1, 2, 3, 4, 5];
+pub(super) const SCORING: [u64; 5] = [1, 2, 3, 4, 5];
 /// Cost of a run of which nothing is felt, mm; a part of the onsets costs that part.
 const UNFELT_MM: f64 = 10.0;
-/// Bench of the table.
-const BENCH: &str = "emulated";
+/// Bench of the table and of the figure.
+pub(super) const BENCH: &str = "emulated";
 
 /// Situations in which a law is scored.
 const SITUATIONS: [&str; 3] = [
@@ -111,12 +111,17 @@ struct Scored {
     by_seed: Vec<[Felt; 3]>,
 }
 
-fn play(setup: &Setup, seed: u64) -> Result<Felt, Failure> {
+/// A whole run; a run that ended early is a failure.
+pub(super) fn play(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
     let outcome = run(setup, &Input::Scene, seed)?;
     match outcome.failure {
         Some(failure) => Err(failure),
-        None => Ok(Felt::of(&outcome)),
+        None => Ok(outcome),
     }
+}
+
+fn felt(setup: &Setup, seed: u64) -> Result<Felt, Failure> {
+    Ok(Felt::of(&play(setup, seed)?))
 }
 
 /// Cost of a point over all paths and choosing seeds, the worst run's; `None` as soon as it cannot be below `below_mm`.
@@ -127,7 +132,7 @@ fn cost(law: IllusionModel, point: u32, below_mm: f64) -> Result<Option<f64>, Fa
     for scene in PATHS {
         let setup = Setup::load(scene, BENCH)?.with(&overrides)?;
         for seed in CHOOSING {
-            worst = worst.max(play(&setup, seed)?.cost());
+            worst = worst.max(felt(&setup, seed)?.cost());
             if worst >= below_mm {
                 return Ok(None);
             }
@@ -166,15 +171,15 @@ fn score(chosen: &Chosen, seed: u64) -> Result<[Felt; 3], Failure> {
     let overrides = space::overrides(chosen.law, chosen.knobs.as_ref());
     let mut moving: Option<Felt> = None;
     for scene in PATHS {
-        let one = play(&Setup::load(scene, BENCH)?.with(&overrides)?, seed)?;
+        let one = felt(&Setup::load(scene, BENCH)?.with(&overrides)?, seed)?;
         moving = Some(moving.map_or(one, |all| all.with(one)));
     }
     let rest = Source::new("rest.toml", include_str!("rest.toml"));
     let rest = Setup::join(Loaded::read(rest)?, load_bench(BENCH)?)?.with(&overrides)?;
-    let rest = play(&rest, seed)?;
+    let rest = felt(&rest, seed)?;
     let mut long = overrides;
     long.scene("laws", "length_s", "600.0");
-    let long = play(&Setup::load(PATHS[0], BENCH)?.with(&long)?, seed)?;
+    let long = felt(&Setup::load(PATHS[0], BENCH)?.with(&long)?, seed)?;
     Ok([moving.unwrap_or(rest), rest, long])
 }
 
