@@ -2,14 +2,13 @@
 //! runs, by (5.2) (C) and by the default law (D). Breaks are red.
 
 use palpate_core::illusion::IllusionModel;
-use palpate_emulators::person::channels::Person;
-use palpate_files::Setup;
+use palpate_files::{Overrides, Setup};
 use palpate_records::report::svg::Svg;
 use palpate_records::trace::{Event, PlaceUm, Trace, event};
 use palpate_run::{Failure, Input, Outcome};
 use palpate_tests::felt::PATHS;
 
-use super::in_loop::{Case, DRIVES, SEEDS, met, person};
+use super::laws::{BENCH, SCORING, play};
 use crate::findings::Figure;
 use crate::plot::{Area, Axis, Mark, Plot, Series};
 use crate::scenes::run;
@@ -31,20 +30,15 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
     for (column, scene) in (0_u8..).zip(PATHS) {
         let left = f64::from(column) * COLUMN;
         svg.text((left + 100.0, 11.0), "wire-name", scene);
-        let setup = Setup::load(scene, DRIVES[0].file)?;
-        let person = person("typical", &setup)?;
+        let setup = Setup::load(scene, BENCH)?;
         let outcome = run(&setup, &Input::Scene)?;
         contact_path(&outcome.trace).draw(&mut svg, area(left, 0.0));
         counts(&outcome, &mut svg, left);
         let laws = [IllusionModel::Phantom, IllusionModel::default()];
         for ((row, law), breaks) in (2_u8..).zip(laws).zip(&mut breaks) {
-            let case = Case {
-                law,
-                drive: DRIVES[0],
-                wires: DRIVES[0].wires[0],
-                scene,
-            };
-            let felt = trials(&case, &person)?;
+            let mut overrides = Overrides::default();
+            overrides.scene("figure", "illusion.model", law.name());
+            let felt = trials(&setup.clone().with(&overrides)?)?;
             for onset in felt.iter().filter(|o| !o.felt) {
                 breaks[usize::from(!onset.inside)] += 1;
             }
@@ -68,7 +62,7 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
              not. Such breaks inside the wires: {broken} by (5.2) with s = 1, {default_broken} by the default; past the \
              outermost wires {beyond} and {default_beyond}.",
             PATHS.join(", "),
-            SEEDS.len(),
+            SCORING.len(),
         ),
         svg: svg.finish(),
         legend: String::new(),
@@ -85,21 +79,22 @@ struct Trial {
     felt: bool,
 }
 
-/// All onsets of all runs of a case.
-fn trials(case: &Case, person: &Person) -> Result<Vec<Trial>, Failure> {
+/// All onsets of a run per scoring seed.
+fn trials(setup: &Setup) -> Result<Vec<Trial>, Failure> {
     let mut trials = Vec::new();
-    for seed in SEEDS {
-        for onset in case.play(seed)?.onsets {
+    for seed in SCORING {
+        let outcome = play(setup, seed)?;
+        for event in &outcome.trace.events {
             if let Event::Felt(event::Felt {
                 target,
                 inside,
                 met: Some(met),
                 ..
-            }) = met(&onset, person)
+            }) = event
             {
                 trials.push(Trial {
-                    target: mm(target),
-                    inside,
+                    target: mm(*target),
+                    inside: *inside,
                     at: mm(met.energy),
                     felt: met.is_felt(),
                 });

@@ -7,6 +7,7 @@ mod table;
 use palpate_core::illusion::IllusionModel;
 use palpate_files::{Loaded, Setup, Source, load_bench};
 use palpate_records::felt::FeltPath;
+use palpate_records::measure::Errors;
 use palpate_records::trace::{Event, FeltAt, event};
 use palpate_run::{Failure, Input, Outcome, run};
 use palpate_tests::felt::PATHS;
@@ -19,11 +20,14 @@ use space::{GIVEN, Knobs};
 pub const POINTS: u32 = 64;
 /// Seeds that choose the settings, and those that score them.
 const CHOOSING: [u64; 3] = [6, 7, 8];
-const SCORING: [u64; 5] = [1, 2, 3, 4, 5];
+pub(super) const SCORING: [u64; 5] = [1, 2, 3, 4, 5];
 /// Cost of a run of which nothing is felt, mm; a part of the onsets costs that part.
 const UNFELT_MM: f64 = 10.0;
-/// Bench of the table.
-const BENCH: &str = "emulated";
+/// Bench of the table and of the figure.
+pub(super) const BENCH: &str = "emulated";
+
+/// Name of the contact at rest among the scenes of the objective.
+const REST: &str = "rest";
 
 /// Situations in which a law is scored.
 const SITUATIONS: [&str; 3] = [
@@ -35,49 +39,79 @@ const SITUATIONS: [&str; 3] = [
 /// Felt result of a run, or of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Felt {
-    /// Median level of the onsets inside the wires, dB.
+    /// Median level of the onsets inside the wires' hull, dB.
     level_db: f64,
-    /// Root mean square over all onsets by energy and amplitude centroid, mm; infinite where no wire moved.
-    mm: [f64; 2],
-    onsets: u32,
-    /// Onsets below the threshold, inside the wires or not.
-    unfelt: u32,
+    /// Root mean square by energy and amplitude centroid, mm; infinite where no wire moved.
+    inside_mm: [f64; 2],
+    /// The larger of both over all onsets, inside the hull or not, mm.
+    everywhere_mm: f64,
+    inside: Count,
+    everywhere: Count,
+    /// Onsets inside the hull that are felt as taps, not as vibrations.
+    taps: u64,
     limited: u32,
+}
+
+/// Onsets, and those of them that stay below the threshold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Count {
+    onsets: u32,
+    unfelt: u32,
+}
+
+impl Count {
+    fn add(&mut self, is_felt: bool) {
+        self.onsets += 1;
+        self.unfelt += u32::from(!is_felt);
+    }
+
+    const fn with(self, other: Self) -> Self {
+        Self {
+            onsets: self.onsets + other.onsets,
+            unfelt: self.unfelt + other.unfelt,
+        }
+    }
 }
 
 impl Felt {
     fn of(outcome: &Outcome) -> Self {
         let trace = &outcome.trace;
         let mut path = FeltPath::new(&trace.header);
-        let (mut onsets, mut unfelt) = (0, 0);
+        let (mut inner, mut all) = (Count::default(), Count::default());
         for event in &trace.events {
             path.add(event);
-            if let Event::Felt(event::Felt { met, .. }) = event {
-                onsets += 1;
-                unfelt += u32::from(!met.as_ref().is_some_and(FeltAt::is_felt));
+            if let Event::Felt(event::Felt { inside, met, .. }) = event {
+                let is_felt = met.as_ref().is_some_and(FeltAt::is_felt);
+                all.add(is_felt);
+                if *inside {
+                    inner.add(is_felt);
+                }
             }
         }
-        let level = path.level().map(|l| f64::from(l.median_mdb) * 1e-3);
-        let mm = path.scores().map(|score| {
-            let errors = score.everywhere;
-            errors.map_or(f64::INFINITY, |e| e.rmse_um as f64 * 1e-3)
-        });
+        let level = path.level();
+        let scores = path.scores();
+        let mm = |errors: Option<Errors>| {
+            errors.map_or(f64::INFINITY, |errors| errors.rmse_um as f64 * 1e-3)
+        };
+        let [energy, amplitude] = scores.map(|score| mm(score.everywhere));
         Self {
-            level_db: level.unwrap_or(f64::NEG_INFINITY),
-            mm,
-            onsets,
-            unfelt,
+            level_db: level.map_or(f64::NEG_INFINITY, |l| f64::from(l.median_mdb) * 1e-3),
+            inside_mm: scores.map(|score| mm(score.errors)),
+            everywhere_mm: energy.max(amplitude),
+            inside: inner,
+            everywhere: all,
+            taps: level.map_or(0, |l| l.taps),
             limited: trace.ledger.driven.limiter_events,
         }
     }
 
     fn worst_mm(&self) -> f64 {
-        self.mm[0].max(self.mm[1])
+        self.inside_mm[0].max(self.inside_mm[1])
     }
 
-    /// Cost of a run, mm: its larger error, and the share of its onsets that are not felt.
+    /// Cost of a run, mm: its larger error inside the hull, and the share of the onsets there that are not felt.
     fn cost(&self) -> f64 {
-        let share = f64::from(self.unfelt) / f64::from(self.onsets.max(1));
+        let share = f64::from(self.inside.unfelt) / f64::from(self.inside.onsets.max(1));
         self.worst_mm() + UNFELT_MM * share
     }
 
@@ -85,9 +119,11 @@ impl Felt {
     fn with(self, other: Self) -> Self {
         Self {
             level_db: self.level_db.min(other.level_db),
-            mm: [0, 1].map(|k: usize| self.mm[k].max(other.mm[k])),
-            onsets: self.onsets + other.onsets,
-            unfelt: self.unfelt + other.unfelt,
+            inside_mm: [0, 1].map(|k: usize| self.inside_mm[k].max(other.inside_mm[k])),
+            everywhere_mm: self.everywhere_mm.max(other.everywhere_mm),
+            inside: self.inside.with(other.inside),
+            everywhere: self.everywhere.with(other.everywhere),
+            taps: self.taps + other.taps,
             limited: self.limited + other.limited,
         }
     }
@@ -111,23 +147,38 @@ struct Scored {
     by_seed: Vec<[Felt; 3]>,
 }
 
-fn play(setup: &Setup, seed: u64) -> Result<Felt, Failure> {
+/// A whole run; a run that ended early is a failure.
+pub(super) fn play(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
     let outcome = run(setup, &Input::Scene, seed)?;
     match outcome.failure {
         Some(failure) => Err(failure),
-        None => Ok(Felt::of(&outcome)),
+        None => Ok(outcome),
     }
 }
 
-/// Cost of a point over all paths and choosing seeds, the worst run's; `None` as soon as it cannot be below `below_mm`.
+fn felt(setup: &Setup, seed: u64) -> Result<Felt, Failure> {
+    Ok(Felt::of(&play(setup, seed)?))
+}
+
+/// A scene of the objective on the bench: a path, or the contact at rest.
+fn setup(scene: &str) -> Result<Setup, Failure> {
+    if scene != REST {
+        return Ok(Setup::load(scene, BENCH)?);
+    }
+    let rest = Source::new("rest.toml", include_str!("rest.toml"));
+    Ok(Setup::join(Loaded::read(rest)?, load_bench(BENCH)?)?)
+}
+
+/// Cost of a point over all paths, the rest and the choosing seeds, the worst run's; `None` as soon as it cannot be
+/// below `below_mm`.
 fn cost(law: IllusionModel, point: u32, below_mm: f64) -> Result<Option<f64>, Failure> {
     let knobs = space::point(point);
     let overrides = space::overrides(law, knobs.as_ref());
     let mut worst = 0.0_f64;
-    for scene in PATHS {
-        let setup = Setup::load(scene, BENCH)?.with(&overrides)?;
+    for scene in PATHS.into_iter().chain([REST]) {
+        let setup = setup(scene)?.with(&overrides)?;
         for seed in CHOOSING {
-            worst = worst.max(play(&setup, seed)?.cost());
+            worst = worst.max(felt(&setup, seed)?.cost());
             if worst >= below_mm {
                 return Ok(None);
             }
@@ -166,15 +217,13 @@ fn score(chosen: &Chosen, seed: u64) -> Result<[Felt; 3], Failure> {
     let overrides = space::overrides(chosen.law, chosen.knobs.as_ref());
     let mut moving: Option<Felt> = None;
     for scene in PATHS {
-        let one = play(&Setup::load(scene, BENCH)?.with(&overrides)?, seed)?;
+        let one = felt(&setup(scene)?.with(&overrides)?, seed)?;
         moving = Some(moving.map_or(one, |all| all.with(one)));
     }
-    let rest = Source::new("rest.toml", include_str!("rest.toml"));
-    let rest = Setup::join(Loaded::read(rest)?, load_bench(BENCH)?)?.with(&overrides)?;
-    let rest = play(&rest, seed)?;
+    let rest = felt(&setup(REST)?.with(&overrides)?, seed)?;
     let mut long = overrides;
     long.scene("laws", "length_s", "600.0");
-    let long = play(&Setup::load(PATHS[0], BENCH)?.with(&long)?, seed)?;
+    let long = felt(&setup(PATHS[0])?.with(&long)?, seed)?;
     Ok([moving.unwrap_or(rest), rest, long])
 }
 
@@ -210,7 +259,7 @@ pub fn measure(points: u32) -> Result<Findings, Failure> {
             let mm = law.by_seed.iter().map(|by| by[k].worst_mm());
             let mm = mm.fold(0.0, f64::max);
             let error = if mm.is_finite() {
-                (mm, "mm RMSE over all onsets, the worse centroid")
+                (mm, "mm RMSE inside the hull, the worse centroid")
             } else {
                 NO_ERROR
             };

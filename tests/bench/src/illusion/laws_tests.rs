@@ -32,28 +32,47 @@ fn every_law_takes_the_points_that_are_given() {
 }
 
 #[test]
-fn silence_costs_as_much_as_it_is_long() {
+fn silence_inside_the_hull_costs_as_much_as_it_is_long() {
+    let count = |onsets, unfelt| Count { onsets, unfelt };
     let felt = Felt {
         level_db: 3.0,
-        mm: [0.5, 0.75],
-        onsets: 80,
-        unfelt: 20,
+        inside_mm: [0.5, 0.75],
+        everywhere_mm: 4.0,
+        inside: count(80, 20),
+        everywhere: count(90, 30),
+        taps: 3,
         limited: 0,
     };
     assert!((felt.cost() - 0.75 - UNFELT_MM / 4.0).abs() < 1e-12);
     let still = Felt {
-        mm: [f64::INFINITY; 2],
+        inside_mm: [f64::INFINITY; 2],
         ..felt
     };
     assert!(still.cost().is_infinite());
     let both = felt.with(Felt {
         level_db: -1.0,
-        mm: [1.0, 0.25],
+        inside_mm: [1.0, 0.25],
+        everywhere_mm: 2.0,
         limited: 2,
         ..felt
     });
-    assert_eq!((both.level_db, both.mm), (-1.0, [1.0, 0.75]));
-    assert_eq!((both.onsets, both.unfelt, both.limited), (160, 40, 2));
+    assert_eq!((both.level_db, both.inside_mm), (-1.0, [1.0, 0.75]));
+    assert_eq!(
+        (both.inside, both.everywhere),
+        (count(160, 40), count(180, 60))
+    );
+    assert_eq!((both.everywhere_mm, both.taps, both.limited), (4.0, 6, 2));
+}
+
+/// The contact at rest is inside the hull, so its error counts.
+#[test]
+fn the_objective_has_a_contact_at_rest() {
+    let rest = felt(&setup(REST).unwrap(), CHOOSING[0]).unwrap();
+    assert!(
+        rest.inside.onsets > 0 && rest.inside == rest.everywhere,
+        "{rest:?}"
+    );
+    assert!(rest.cost().is_finite());
 }
 
 /// A search that stops a point early finds what the whole sums find.

@@ -1,12 +1,8 @@
 //! Illusions: every law on every array by both centroids - where it is felt, how even, how often nothing is
 //! - and what an onset costs. Figure 5.5 of the thesis, for (5.2) and for the default law.
 
-mod bound;
-pub mod equal_power;
 mod figure;
-pub mod in_loop;
 pub mod laws;
-pub mod patterns;
 
 use std::time::Duration;
 
@@ -107,7 +103,7 @@ pub fn measure() -> Result<Findings, Failure> {
     costs(&mut found, "cost, 128 wires", &many()?)?;
     trade_off(&mut found, person, drive)?;
     found.words.push(format!(
-        "default is {}. Here every law has as many pulses on each wire, without guard and heat: `felt-in-loop` has both. \
+        "default is {}. Here every law has as many pulses on each wire, without guard and heat: `laws` has both. \
          Errors are of the place, felt or not, over the four sphere paths at the published drive (1.97 A, no intensity), \
          contacts inside the array. A cost is that of one contact at an onset.",
         IllusionModel::default().name(),

@@ -31,7 +31,7 @@ const MEASURES: [Measure; 4] = [
     Measure {
         name: "not felt",
         unit: "onsets",
-        value: |felt| f64::from(felt.unfelt),
+        value: |felt| f64::from(felt.inside.unfelt),
         more_is_better: false,
     },
     Measure {
@@ -49,8 +49,8 @@ pub(super) fn markdown(laws: &[Scored], points: u32) -> String {
     for (k, situation) in SITUATIONS.iter().enumerate() {
         let _ = write!(
             out,
-            "\n| {situation} | level, dB | error by energy, mm | by amplitude, mm | not felt | limiter events |\n\
-             |---|---:|---:|---:|---:|---:|\n"
+            "\n| {situation} | level, dB | error by energy, mm | by amplitude, mm | not felt | taps | limiter events | \
+             all onsets: error, mm | not felt |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|\n"
         );
         for law in laws {
             let _ = writeln!(out, "{}", row(law, k));
@@ -88,9 +88,11 @@ fn conditions(points: u32) -> String {
     let _ = write!(
         out,
         "`render` of `inverse` smooth or tap. `inverse` finds its duration, and below {FREE_BELOW_MS} ms its frequency.\n\n\
-         The objective is the worst run of four paths on seeds {}: RMSE over all onsets by the worse centroid, plus \
-         {UNFELT_MM} mm times the share of all onsets that are not felt. Scores are of seeds {}, least to most: the lowest \
-         level (median, inside the wires) and the largest errors (all onsets) of the paths, counts added up.\n",
+         The objective is the worst run of four paths and a contact at rest on seeds {}: RMSE by the worse centroid, plus \
+         {UNFELT_MM} mm times the share of onsets that are not felt, both of the onsets inside the wires' hull. Scores are of \
+         seeds {}, least to most: the lowest level (median) and the largest errors of the paths, counts added up, inside the \
+         hull; then error by the worse centroid and onsets not felt over all onsets. Taps are bursts too short for a \
+         vibration.\n",
         listed(&CHOOSING),
         listed(&SCORING),
     );
@@ -139,16 +141,20 @@ fn row(law: &Scored, k: usize) -> String {
             false => format!("{least} to {most}"),
         }
     };
-    let onsets = law.by_seed.iter().map(|by| by[k].onsets).max();
+    let most = |value: fn(&Felt) -> u32| law.by_seed.iter().map(|by| value(&by[k])).max();
+    let inside = most(|felt| felt.inside.onsets).unwrap_or(0);
     format!(
-        "| `{}` | {} | {} | {} | {} of {} | {} |",
+        "| `{}` | {} | {} | {} | {} of {inside} | {} | {} | {} | {} of {} |",
         law.chosen.law.name(),
         span(|felt| felt.level_db, 1),
-        span(|felt| felt.mm[0], 2),
-        span(|felt| felt.mm[1], 2),
-        span(|felt| f64::from(felt.unfelt), 0),
-        onsets.unwrap_or(0),
+        span(|felt| felt.inside_mm[0], 2),
+        span(|felt| felt.inside_mm[1], 2),
+        span(|felt| f64::from(felt.inside.unfelt), 0),
+        span(|felt| felt.taps as f64, 0),
         span(|felt| f64::from(felt.limited), 0),
+        span(|felt| felt.everywhere_mm, 2),
+        span(|felt| f64::from(felt.everywhere.unfelt), 0),
+        most(|felt| felt.everywhere.onsets).unwrap_or(0),
     )
 }
 
