@@ -216,6 +216,7 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
         command::contacts(&ContactsArgs {
             time: None,
             columns: None,
+            topic: None,
             gain: None,
             split_jumps: false,
             force: true,

@@ -199,6 +199,7 @@ fn a_recorded_forearm_goes_the_same_way() {
     command::contacts(&ContactsArgs {
         time: None,
         columns: None,
+        topic: None,
         gain: None,
         split_jumps: false,
         force: true,

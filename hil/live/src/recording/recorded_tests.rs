@@ -28,7 +28,8 @@ fn a_recipe_stands_for_its_recording_and_is_found_beside_it() {
         panic!("a skin");
     };
     for (path, is_noted) in [(&recipe, false), (&table, true)] {
-        let (input, notes) = recorded(&[path.clone()], &sensor, &Reading::default()).unwrap();
+        let (input, notes) =
+            recorded(std::slice::from_ref(path), &sensor, &Reading::default()).unwrap();
         let Input::Rows(sources) = input else {
             panic!("rows");
         };
