@@ -99,7 +99,7 @@ fn a_person_who_feels_less_than_half_decides() {
 #[test]
 fn pulses_of_a_texture_that_are_too_weak_are_not_felt() {
     let mut scene = load_scene("texture-sponge1").unwrap();
-    scene.value.illusion.beta = 0.0005;
+    scene.value.illusion.person = "dull".into();
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
     let summary = run(&setup, &Input::Scene, 1).unwrap().summary;
     assert_eq!(summary.conclusion.verdict, Verdict::NotFelt);
