@@ -3,8 +3,8 @@
 //!
 //! A page shows output in a `console` block, under `$ ` and the command, or in a `text` block after the command's `sh` block.
 //! A table between `<!-- $ COMMAND -->` and `<!-- end -->` is what a command prints as Markdown.
-//! `PALPATE_WRITE_FIGURES=1` writes today's figures into the pages. A `console slow` block and such a
-//! table have commands that take minutes: `PALPATE_FIGURES=all` runs them too.
+//! `PALPATE_WRITE_FIGURES=1` writes today's figures into the pages. Such a table and a `console slow` block have commands
+//! that take minutes: `PALPATE_FIGURES=all` runs them too.
 
 use clap::Parser;
 use palpate_hil::cli::Cli;
@@ -119,6 +119,24 @@ fn steps(page: &str) -> Vec<Step> {
             is_after |= found.iter().any(|step| matches!(step, Step::Command(..)));
             steps.extend(found);
             index += length + 1;
+            continue;
+        }
+        if let Some(program) = line.strip_prefix("<!-- $ ") {
+            let length = lines[index..]
+                .iter()
+                .position(|line| *line == "<!-- end -->");
+            let length = length.expect("a table of a command ends with `<!-- end -->`");
+            let program = format!("$ {}", program.trim_end_matches(" -->"));
+            let inner = [&[program.as_str()], &lines[index..index + length]].concat();
+            let found = block("console slow", (index - 1, 0, &inner), before, false);
+            steps.extend(found.into_iter().map(|step| match step {
+                Step::Shown(shown) => Step::Shown(Shown {
+                    is_part: true,
+                    ..shown
+                }),
+                step => step,
+            }));
+            index += length;
             continue;
         }
         if let Some(found) = line
