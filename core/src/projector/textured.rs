@@ -1,9 +1,9 @@
 //! The output's textures: pulses that have the display to themselves, and bursts of contacts that are thinned out.
 
 use crate::driver::Actuators;
-use crate::render::Stated;
+use crate::render::{Density, Stated};
 use crate::schedule::stagger;
-use crate::texture::{Control, Density};
+use crate::texture::Control;
 use crate::units::{Duration, Instant, Ticks};
 
 use super::texture::Carrier;

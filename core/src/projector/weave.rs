@@ -5,8 +5,8 @@
 //! them the phantom's place stay. On both, fewer pulses are stronger, by the root of how many are left out: the renderer
 //! finds the widths for that, and without it they grow in proportion, as far as the guard allows.
 
-use crate::render::Stated;
-use crate::texture::{Control, Density, Pulses};
+use crate::render::{Density, Stated};
+use crate::texture::{Control, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
 
 use super::tap::{Tap, Taps};

@@ -13,6 +13,7 @@ mod tracks;
 
 pub use borne::Borne;
 pub use pattern::{CADENCE, Pattern, PatternError};
+pub use pulse::Density;
 pub use reached::Reached;
 pub use response::Response;
 

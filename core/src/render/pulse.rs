@@ -1,13 +1,21 @@
 //! Single pulses of a texture, as wide as the response needs for the amplitude that is to be felt.
 
 use crate::guard::Guard;
-use crate::texture::Density;
 use crate::units::{Instant, Ticks};
 
 use super::{Renderer, Volley, bearable};
 
 /// Fewest pulses a second by which a texture's energy is shared out: a rarer pulse is felt alone.
 const RAREST_HZ: f32 = 1.0;
+
+/// Expected pulses of a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Density {
+    /// Pulses of one wire, each time that the surface passes it.
+    pub pass: f32,
+    /// Pulses a second of all wires together, on average.
+    pub all_hz: f32,
+}
 
 impl Renderer {
     /// Replaces every width that is not zero by that of a texture's pulse between two times. All pulses of the texture

@@ -23,5 +23,5 @@ mod stream;
 pub use control::{Control, ControlError, ControlMap, Drivers, LatentDriver, Span};
 pub use encoder::{Encoder, Room};
 pub use model::{Gru, Model, ModelError, SampleError, TensorPlace};
-pub use pulses::{Activation, ActivationError, Density, Draw, Pulses, along};
+pub use pulses::{Activation, ActivationError, Draw, Pulses, along};
 pub use stream::{Ends, Stream};

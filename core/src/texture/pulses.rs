@@ -8,6 +8,7 @@ use alloc::boxed::Box;
 use alloc::format;
 
 use crate::random::RandomStream;
+use crate::render::Density;
 use crate::units::{Duration, Instant, Point, Prescale};
 
 use super::control::Control;
@@ -105,15 +106,6 @@ pub fn along(places: &[Point], gap: f32) -> Box<[f32]> {
         }
     };
     places.iter().map(|p| of(p) / gap).collect()
-}
-
-/// Expected pulses of a texture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Density {
-    /// Pulses of one wire, each time that the surface passes it.
-    pub pass: f32,
-    /// Pulses a second of all wires together, on average.
-    pub all_hz: f32,
 }
 
 /// One wire's draw.
