@@ -81,7 +81,7 @@ kinds! {
     Priors = "priors" "priors" "priors" priors priors_names,
     /// Evidence about wires and people.
     Evidence = "evidence" "evidence" "evidence" evidence evidence_names,
-    /// What was found of a bench over all that is not measured.
+    /// Level, share felt and error of a bench over all that is not measured.
     Band = "band" "bands" "a band" band band_names,
     /// A recipe for a recording.
     Recording = "recording" "recordings" "a recipe of a recording",

@@ -197,7 +197,7 @@ pub struct Keep {
     /// The summary alone: records that no figure of the summary needs are dropped while the run goes on, so that memory
     /// is bounded whatever the length. Trace, frame times and temperatures are then in part.
     pub summary: bool,
-    /// What only summaries and reports for people show: the bench's band, and the run through wires in the other state,
+    /// Figures that only summaries and reports for people show: the bench's band, and the run through wires in the other state,
     /// which are emulated beside.
     pub spread: bool,
 }

@@ -399,7 +399,7 @@ fn bad_options_are_refused() {
     refused_with(&long, &["recording.csv", "at least 31 rows", "found 30"]);
 }
 
-/// Whether the program's remarks on a recording say that the reference was not at rest, by `hil contacts` and `hil run`.
+/// Tells whether the program's remarks on a recording say that the reference was not at rest, by `hil contacts` and `hil run`.
 fn says_not_at_rest(file: &str) -> [bool; 2] {
     let said = [
         hil(&["contacts", file, "--layout", "uskin-4x4"]).err,

@@ -18,7 +18,7 @@ enum Step {
     File(String, String),
     /// A command, its line in the page, and the exit status it announces (`# exits 1`): any in a `console` block.
     Command(String, usize, Option<i32>),
-    /// What a command prints.
+    /// Lines that a command prints.
     Shown(Shown),
     /// A heading: output under it is that of commands under it.
     Section,
@@ -189,7 +189,7 @@ fn needs(command: &str) -> Option<&'static str> {
     }
 }
 
-/// What a command line says in a folder, with `hil` on its path.
+/// Output of a command line in a folder, with `hil` on its path.
 pub fn shell(command: &str, folder: &Folder) -> Said {
     let (program, path) = (env!("CARGO_BIN_EXE_hil"), std::env::var("PATH").unwrap());
     let bin = Path::new(program).parent().unwrap().display();

@@ -70,7 +70,7 @@ impl Shown {
         self.found(output, timeless).is_some()
     }
 
-    /// What the page would show today; `None` where other words than its figures differ.
+    /// Lines that the page would show today; `None` where other words than its figures differ.
     pub fn today(&self, output: &[String]) -> Option<Vec<String>> {
         self.found(output, shape)
     }
