@@ -175,7 +175,7 @@ impl OutputBuilder {
                     law: inverse(&display, &settings)?,
                     style: self.style,
                     pattern,
-                    full: response.full(),
+                    full: response.largest(),
                     response,
                     sharing: self.sharing,
                     calibration: calibration.clone(),

@@ -28,8 +28,8 @@ fn nothing_has_to_be_stated() {
     let projector = Projector::builder(layout(), display(2)).build().unwrap();
     assert_eq!(projector.timing().duration.as_micros(), 38_092);
     assert_eq!(projector.timing().soa.as_micros(), 117_000);
-    // The width at which the default bench's wire is felt most, less the renderer's headroom.
-    assert_eq!(projector.width(1.0), Ticks::new(28));
+    // The width at which the default bench's wire is felt most.
+    assert_eq!(projector.width(1.0), Ticks::new(41));
     assert_eq!(projector.guard().limits(), &HARD);
     let edges = [-7.05, 7.05].map(|x| projector.map().apply(Point::new(x, 0.0)).x);
     assert!(edges[0].abs() < 1e-4 && (edges[1] - 10.0).abs() < 1e-4);
@@ -41,12 +41,12 @@ fn a_plant_of_ones_own_is_linear_unless_its_response_is_stated() {
     let output = || Output::builder(display(2)).plant(plant);
     let linear = output().build().unwrap();
     let widest = linear.guard().widest();
-    let full = Response::linear(widest).full();
+    let full = Response::linear(widest).largest();
     assert!((f32::from(linear.width(1.0).get()) - full).abs() <= 0.5);
     // As many pulses of 5 ms as last 30 ms.
     assert_eq!(linear.timing().duration.as_micros(), 33_013);
     let stated = output().response(Response::between(&[(0, 0.0), (10, 1.0)]));
-    assert_eq!(stated.build().unwrap().width(1.0), Ticks::new(9));
+    assert_eq!(stated.build().unwrap().width(1.0), Ticks::new(10));
 }
 
 #[test]

@@ -85,7 +85,7 @@ pub struct RenderSettings {
     /// Felt amplitude of a pulse by its width.
     pub response: Response,
     /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: the most that a contact of
-    /// weight 1 shall have. [`Response::full`] where no level is asked for.
+    /// weight 1 shall have. [`Response::largest`] where no level is asked for.
     pub full: f32,
     /// Rule by which several contacts share wires.
     pub sharing: Sharing,

@@ -35,7 +35,7 @@ impl Rig {
             law: inverse(&display, &ModelSettings::default()).unwrap(),
             style,
             pattern,
-            full: Response::linear(guard.widest()).full(),
+            full: Response::linear(guard.widest()).largest(),
             response: Response::linear(guard.widest()),
             sharing: Sharing::default(),
             calibration: Calibration::even(8),

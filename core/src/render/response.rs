@@ -4,9 +4,6 @@ use alloc::boxed::Box;
 
 use crate::units::Ticks;
 
-/// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
-const HEADROOM: f32 = 1.12;
-
 /// Amplitudes of the default bench's wires, as the typical person feels them: a width in ticks of PRE_SCALE 92, and the
 /// root of the filtered energy per pulse, um s^0.5. Wider pulses are felt less than one of 41 ticks.
 ///
@@ -69,14 +66,10 @@ impl Response {
         Self::new(whole.iter().take(widths).copied().collect())
     }
 
-    /// The largest amplitude.
+    /// The largest amplitude: the most that full level can be. Where a wire does with a pulse less, all wires of its
+    /// contact are weaker together.
     pub fn largest(&self) -> f32 {
         self.amplitudes.last().copied().unwrap_or(0.0)
-    }
-
-    /// The most that full level can be, so that wires that do with a pulse less reach it too.
-    pub fn full(&self) -> f32 {
-        self.largest() / HEADROOM
     }
 
     /// The amplitude of pulses not wider than `ticks`.

@@ -97,7 +97,7 @@ impl Rig {
             law: inverse(&display, &ModelSettings::default()).map_err(|e| failed(e.to_string()))?,
             style: Style::Smooth,
             pattern,
-            full: Response::linear(guard.widest()).full(),
+            full: Response::linear(guard.widest()).largest(),
             response: Response::linear(guard.widest()),
             sharing: Sharing::default(),
             calibration: Calibration::even(wires),

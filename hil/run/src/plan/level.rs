@@ -41,7 +41,7 @@ pub(super) fn ask(
         return Err(wearer.source.bad(key, expected).into());
     }
     settings.full = match setup.scene.value.illusion.level_db {
-        None => settings.response.full(),
+        None => settings.response.largest(),
         Some(db) if db > most_db => {
             let source = &setup.scene.source;
             let expected = match most_db > 0.0 {
