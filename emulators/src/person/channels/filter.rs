@@ -68,6 +68,13 @@ pub struct Free {
 }
 
 impl Free {
+    /// Free motion that leaves nothing.
+    pub const NONE: Self = Self {
+        stage: [[0.0; 2]; 2],
+        through: [[0.0; 2]; 2],
+        slow: [[0.0; 2]; 2],
+    };
+
     /// Free motion over `t` seconds.
     pub fn over(t: f64) -> Self {
         let (stage, turn) = ring(P * t);
@@ -81,6 +88,15 @@ impl Free {
             through: [[band + low, low], [stage[0][1] - low, band]],
             slow: ring(N * t).0,
         }
+    }
+
+    /// Outputs P and N after that time, by the state that was 1 before it.
+    pub const fn outputs(&self) -> [State; 2] {
+        let [a, b, c] = [&self.stage[1], &self.through[1], &self.slow[0]];
+        [
+            [b[0], b[1], a[0], a[1], 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, c[0], c[1]],
+        ]
     }
 
     /// The states after that time.

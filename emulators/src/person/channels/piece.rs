@@ -69,45 +69,49 @@ struct Table {
 }
 
 impl Table {
-    fn new(rule: &Gauss, vectors: Vectors, rates: &[f64; MODES], seconds: f64) -> Self {
+    /// A table without values: a later piece's are written over an earlier one's, as a table is too large to move about.
+    const EMPTY: Self = Self {
+        decay: [0.0; MODES],
+        lasting: [0.0; MODES],
+        nodes: [[0.0; gauss::NODES]; MODES],
+        rings: [[0.0; BOTH]; STATES],
+        free: Free::NONE,
+        swell: [0.0; gauss::NODES],
+        swollen: 0.0,
+    };
+
+    fn fill(&mut self, rule: &Gauss, vectors: Vectors, rates: &[f64; MODES], seconds: f64) {
         vectors.run(
             #[inline(always)]
-            || Self::plain(rule, rates, seconds),
-        )
+            || self.plain(rule, rates, seconds),
+        );
     }
 
     #[inline(always)]
-    fn plain(rule: &Gauss, rates: &[f64; MODES], seconds: f64) -> Self {
+    fn plain(&mut self, rule: &Gauss, rates: &[f64; MODES], seconds: f64) {
         let (decay, fallen) = decays(rates, seconds);
-        let lasting = core::array::from_fn(|k| match rates[k] == 0.0 {
-            true => seconds,
-            false => fallen[k] / rates[k],
-        });
-        let mut table = Self {
-            decay,
-            lasting,
-            nodes: [[0.0; gauss::NODES]; MODES],
-            rings: [[0.0; BOTH]; STATES],
-            free: Free::over(seconds),
-            swell: rule.nodes.map(|part| libm::exp(part * seconds / LEAK_S)),
-            swollen: swollen(seconds),
-        };
+        self.decay = decay;
+        for k in 0..MODES {
+            self.lasting[k] = match rates[k] == 0.0 {
+                true => seconds,
+                false => fallen[k] / rates[k],
+            };
+        }
+        self.free = Free::over(seconds);
+        self.swollen = swollen(seconds);
         for (i, part) in rule.nodes.into_iter().enumerate() {
             let t = part * seconds;
             let (decay, _) = decays(rates, t);
             for k in 0..MODES {
-                table.nodes[k][i] = decay[k];
+                self.nodes[k][i] = decay[k];
             }
-            let free = Free::over(t);
+            let [p, n] = Free::over(t).outputs();
             for state in 0..STATES {
-                let mut one = [0.0; STATES];
-                one[state] = 1.0;
-                let after = free.step(&one);
-                table.rings[state][i] = after[OUT_P];
-                table.rings[state][gauss::NODES + i] = after[OUT_N];
+                self.rings[state][i] = p[state];
+                self.rings[state][gauss::NODES + i] = n[state];
             }
+            self.swell[i] = libm::exp(t / LEAK_S);
         }
-        table
     }
 }
 
@@ -279,13 +283,18 @@ impl Tables {
         if regime.rates.map(f64::to_bits) != rates.map(f64::to_bits) {
             *regime = Regime::new(rates);
         }
-        let new = || Box::new(Table::new(rule, vectors, rates, seconds));
         let table = match regime.pieces.entry(seconds.to_bits()) {
-            Entry::Occupied(met) => met.into_mut().get_or_insert_with(new),
+            Entry::Occupied(met) => met.into_mut().get_or_insert_with(|| {
+                let mut table = Box::new(Table::EMPTY);
+                table.fill(rule, vectors, rates, seconds);
+                table
+            }),
             Entry::Vacant(first) => {
                 first.insert(None);
                 self.count += 1;
-                self.once.insert(new())
+                let table = self.once.get_or_insert_with(|| Box::new(Table::EMPTY));
+                table.fill(rule, vectors, rates, seconds);
+                table
             }
         };
         Piece {
