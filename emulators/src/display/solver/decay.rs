@@ -1,7 +1,7 @@
-//! exp(-lambda t) of all modes at once.
+//! exp(-lambda t) of all modes at once, and sines beside them.
 //!
-//! A scalar `exp` is most of what an event costs. This one is the same few products and sums for every mode, in a
-//! fixed order, so that compilers put it into vector registers and every machine gives the same bits.
+//! A scalar `exp` is most of what an event costs. These are the same few products and sums for every value, in a fixed
+//! order, so that compilers put them into vector registers and every machine gives the same bits.
 
 use crate::display::finger::NODES;
 
@@ -25,12 +25,41 @@ const SERIES: [f64; 12] = {
     out
 };
 
+/// Three parts of pi / 2: the first two have zeros where products with integers up to 2^20 need room.
+const QUARTER_HIGH: f64 = 1.570_796_326_734_125_6;
+const QUARTER_MIDDLE: f64 = 6.077_100_506_303_966e-11;
+const QUARTER_LOW: f64 = 2.022_266_248_795_950_6e-21;
+/// Largest angle, rad: what a filter rang has long died away.
+const MOST_TURNED: f64 = 1e6;
+
+/// Coefficients of r^2, r^4, ... of cos(r) - 1, beside those of sin(r) / r - 1, for |r| <= pi / 4.
+const ALTERNATING: [[f64; 2]; 8] = {
+    let mut out = [[0.0; 2]; 8];
+    let (mut k, mut value) = (0, 1.0);
+    while k < 8 {
+        let even = (2 * k + 2) as f64;
+        value /= -(even - 1.0) * even;
+        out[k] = [value, value / (even + 1.0)];
+        k += 1;
+    }
+    out
+};
+
 /// exp(-lambda t), and 1 - exp(-lambda t) without cancellation, for every rate.
 #[inline(always)]
 pub fn decays(lambda: &[f64; NODES], t: f64) -> ([f64; NODES], [f64; NODES]) {
-    let (mut decay, mut fallen) = ([0.0; NODES], [0.0; NODES]);
-    for k in 0..NODES {
-        let x = (-lambda[k] * t).clamp(-FURTHEST, FURTHEST);
+    exponentials(&lambda.map(
+        #[inline(always)]
+        |rate| -rate * t,
+    ))
+}
+
+/// exp(x), and 1 - exp(x) without cancellation, for every value up to [`FURTHEST`].
+#[inline(always)]
+pub fn exponentials<const N: usize>(values: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut decay, mut fallen) = ([0.0; N], [0.0; N]);
+    for k in 0..N {
+        let x = values[k].clamp(-FURTHEST, FURTHEST);
         let shifted = x * core::f64::consts::LOG2_E + ROUNDER;
         let n = shifted - ROUNDER;
         let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
@@ -47,6 +76,36 @@ pub fn decays(lambda: &[f64; NODES], t: f64) -> ([f64; NODES], [f64; NODES]) {
         fallen[k] = (1.0 - power) - power * part;
     }
     (decay, fallen)
+}
+
+/// Sine and cosine of every angle, rad: to a unit of the last place up to [`MOST_TURNED`], where larger angles are put.
+#[inline(always)]
+pub fn turns<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut sines, mut cosines) = ([0.0; N], [0.0; N]);
+    for k in 0..N {
+        let x = angles[k].clamp(-MOST_TURNED, MOST_TURNED);
+        let shifted = x * core::f64::consts::FRAC_2_PI + ROUNDER;
+        let n = shifted - ROUNDER;
+        let r = ((x - n * QUARTER_HIGH) - n * QUARTER_MIDDLE) - n * QUARTER_LOW;
+        let square = r * r;
+        let (mut odd, mut even) = (0.0, 0.0);
+        for term in (0..ALTERNATING.len()).rev() {
+            (odd, even) = (
+                odd * square + ALTERNATING[term][1],
+                even * square + ALTERNATING[term][0],
+            );
+        }
+        let (sine, cosine) = (r + r * square * odd, 1.0 + square * even);
+        // The low bits of `shifted` are the number of quarter turns.
+        let quarters = shifted.to_bits();
+        let (a, b) = match quarters & 1 == 0 {
+            true => (sine, cosine),
+            false => (cosine, sine),
+        };
+        sines[k] = f64::from_bits(a.to_bits() ^ ((quarters & 2) << 62));
+        cosines[k] = f64::from_bits(b.to_bits() ^ ((quarters.wrapping_add(1) & 2) << 62));
+    }
+    (sines, cosines)
 }
 
 #[cfg(test)]

@@ -46,3 +46,32 @@ fn ends_are_ends() {
     assert!(decay.iter().chain(&fallen).all(|v| v.is_finite()));
     assert!(decay[4] < 1e-300 && fallen[4] == 1.0);
 }
+
+#[test]
+fn turns_are_as_good_as_one_at_a_time() {
+    let mut worst = 0.0_f64;
+    for i in 0..200_000 {
+        let angle = match i % 4 {
+            0 => f64::from(i) * 1e-5,
+            1 => f64::from(i) * -0.037,
+            2 => f64::from(i) * core::f64::consts::FRAC_PI_4,
+            _ => f64::from(i) * 5.0,
+        };
+        let ([sine], [cosine]) = turns(&[angle]);
+        let (s, c) = libm::sincos(angle);
+        worst = worst.max((sine - s).abs()).max((cosine - c).abs());
+    }
+    println!("{worst:.1e}");
+    assert!(worst < 3e-16, "{worst}");
+}
+
+#[test]
+fn turns_have_no_wrong_angle() {
+    let (sines, cosines) = turns(&[0.0, 1e300, -f64::INFINITY, 5e-324]);
+    assert_eq!((sines[0], cosines[0]), (0.0, 1.0));
+    for (s, c) in sines.iter().zip(&cosines) {
+        assert!((s * s + c * c - 1.0).abs() < 1e-15);
+    }
+    let ([sine], [cosine]) = turns(&[f64::NAN]);
+    assert!(sine.is_nan() && cosine.is_nan());
+}

@@ -6,12 +6,20 @@
 //! Both lack a gain at zero frequency, and displacement has no jumps of its own. So the *rate* of the displacement drives
 //! them: where the tissue stands does not matter, and all is at rest with every state at zero.
 
+// Indices name times, several arrays of them at once.
+#![allow(clippy::needless_range_loop)]
+
 use core::f64::consts::TAU;
+
+use crate::display::solver::decay::{exponentials, turns};
 
 /// Best frequency of the Pacinian channel, rad/s.
 const P: f64 = TAU * 250.0;
 /// Best frequency of the channel NP I, rad/s.
 const N: f64 = TAU * 40.0;
+
+/// Exponent past which nothing rings.
+const SILENT: f64 = 700.0;
 
 /// The square root of 3/4, by which both filters turn.
 const ROOT: f64 = 0.866_025_403_784_438_6;
@@ -75,19 +83,27 @@ impl Free {
         slow: [[0.0; 2]; 2],
     };
 
-    /// Free motion over `t` seconds.
-    pub fn over(t: f64) -> Self {
-        let (stage, turn) = ring(P * t);
-        // The two stages have the same poles: 1/(s^2 + s + 1)^2 and s times it.
-        let (sin, cos, fall, angle) = turn;
-        let half = 3.0_f64 / 4.0;
-        let low = fall * (sin - angle * cos) / (2.0 * half * ROOT);
-        let band = fall * (P * t) * sin / (2.0 * ROOT) - low / 2.0;
-        Self {
-            stage,
-            through: [[band + low, low], [stage[0][1] - low, band]],
-            slow: ring(N * t).0,
+    /// Free motion over each of these times, s.
+    #[inline(always)]
+    pub fn over<const COUNT: usize>(times: &[f64; COUNT]) -> [Self; COUNT] {
+        let fast = Rings::of(P, times);
+        let slow = Rings::of(N, times);
+        let mut all = [Self::NONE; COUNT];
+        for (i, one) in all.iter_mut().enumerate() {
+            let stage = fast.matrix(i);
+            // The two stages have the same poles: 1/(s^2 + s + 1)^2 and s times it.
+            let (sin, cos, fall) = (fast.sin[i], fast.cos[i], fast.fall[i]);
+            let theta = P * times[i];
+            let half = 3.0_f64 / 4.0;
+            let low = fall * (sin - ROOT * theta * cos) / (2.0 * half * ROOT);
+            let band = fall * theta * sin / (2.0 * ROOT) - low / 2.0;
+            *one = Self {
+                stage,
+                through: [[band + low, low], [stage[0][1] - low, band]],
+                slow: slow.matrix(i),
+            };
         }
+        all
     }
 
     /// Outputs P and N after that time, by the state that was 1 before it.
@@ -113,13 +129,36 @@ impl Free {
     }
 }
 
-/// exp(K theta) for K = [[0, 1], [-1, -1]], a resonance of quality 1; and sine, cosine, fall and angle of its turn.
-fn ring(theta: f64) -> ([[f64; 2]; 2], (f64, f64, f64, f64)) {
-    let angle = ROOT * theta;
-    let (sin, cos) = libm::sincos(angle);
-    let fall = libm::exp(-theta / 2.0);
-    let side = fall * sin / ROOT;
-    let (sum, middle) = (side / 2.0, fall * cos);
-    let matrix = [[middle + sum, side], [-side, middle - sum]];
-    (matrix, (sin, cos, fall, angle))
+/// Resonances of quality 1, each over a time of its own: exp(K theta) for K = [[0, 1], [-1, -1]].
+struct Rings<const COUNT: usize> {
+    sin: [f64; COUNT],
+    cos: [f64; COUNT],
+    /// exp(-theta / 2).
+    fall: [f64; COUNT],
+}
+
+impl<const COUNT: usize> Rings<COUNT> {
+    #[inline(always)]
+    fn of(w: f64, times: &[f64; COUNT]) -> Self {
+        let (mut angles, mut powers) = ([0.0; COUNT], [0.0; COUNT]);
+        for i in 0..COUNT {
+            let theta = w * times[i];
+            (angles[i], powers[i]) = (ROOT * theta, -theta / 2.0);
+        }
+        let (sin, cos) = turns(&angles);
+        let (mut fall, _) = exponentials(&powers);
+        for i in 0..COUNT {
+            // Nothing rings for ever: the exponential ends above 0.
+            fall[i] = if powers[i] < -SILENT { 0.0 } else { fall[i] };
+        }
+        Self { sin, cos, fall }
+    }
+
+    #[inline(always)]
+    fn matrix(&self, i: usize) -> [[f64; 2]; 2] {
+        let (sin, cos, fall) = (self.sin[i], self.cos[i], self.fall[i]);
+        let side = fall * sin / ROOT;
+        let (sum, middle) = (side / 2.0, fall * cos);
+        [[middle + sum, side], [-side, middle - sum]]
+    }
 }

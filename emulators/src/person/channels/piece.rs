@@ -9,7 +9,7 @@ use std::collections::btree_map::Entry;
 use super::filter::{self, Free, OUT_N, OUT_P, STATES, State};
 use super::gauss::{self, Gauss};
 use crate::display::finger::NODES as MODES;
-use crate::display::solver::decay::decays;
+use crate::display::solver::decay::{decays, exponentials};
 use crate::display::solver::modal::ModeKey;
 use palpate_core::vector::Vectors;
 
@@ -97,20 +97,33 @@ impl Table {
                 false => fallen[k] / rates[k],
             };
         }
-        self.free = Free::over(seconds);
         self.swollen = swollen(seconds);
-        for (i, part) in rule.nodes.into_iter().enumerate() {
-            let t = part * seconds;
-            let (decay, _) = decays(rates, t);
-            for k in 0..MODES {
-                self.nodes[k][i] = decay[k];
-            }
-            let [p, n] = Free::over(t).outputs();
+        let times = rule.nodes.map(
+            #[inline(always)]
+            |part| part * seconds,
+        );
+        for k in 0..MODES {
+            let powers = times.map(
+                #[inline(always)]
+                |t| -rates[k] * t,
+            );
+            self.nodes[k] = exponentials(&powers).0;
+        }
+        let swell = times.map(
+            #[inline(always)]
+            |t| t / LEAK_S,
+        );
+        self.swell = exponentials(&swell).0;
+        let mut ends = [seconds; gauss::NODES + 1];
+        ends[..gauss::NODES].copy_from_slice(&times);
+        let frees = Free::over(&ends);
+        self.free = frees[gauss::NODES];
+        for i in 0..gauss::NODES {
+            let [p, n] = frees[i].outputs();
             for state in 0..STATES {
                 self.rings[state][i] = p[state];
                 self.rings[state][gauss::NODES + i] = n[state];
             }
-            self.swell[i] = libm::exp(t / LEAK_S);
         }
     }
 }
