@@ -406,7 +406,7 @@ impl WornDisplay {
     /// # Errors
     /// A parameter of wire or person that cannot be, by name.
     pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
-        let mut other = Wearing::new(wire, &self.tissue, self.places.len())?;
+        let mut other = self.worn.instead(wire, &self.tissue)?;
         other.by(person, &self.places_mm())?;
         self.other = Some(other);
         Ok(())

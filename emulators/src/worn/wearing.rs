@@ -25,10 +25,27 @@ impl Wearing {
         count: usize,
     ) -> Result<Self, ParameterError> {
         let one = Wire::new(wire, tissue, tissue.body_c)?.worn(tissue)?;
-        Ok(Self {
+        Ok(Self::of(one, count))
+    }
+
+    /// Other wires at rest in the place of these.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with, by name.
+    pub fn instead(
+        &self,
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+    ) -> Result<Self, ParameterError> {
+        let one = Wire::beside(self.wires.first(), wire, tissue, tissue.body_c)?;
+        Ok(Self::of(one.worn(tissue)?, self.wires.len()))
+    }
+
+    fn of(one: Wire, count: usize) -> Self {
+        Self {
             wires: vec![one; count],
             perceiver: None,
-        })
+        }
     }
 
     /// The burn integrals are kept from here on.

@@ -14,7 +14,7 @@ const SHELLS: usize = 16;
 pub const NODES: usize = SHELLS + 1;
 
 /// A depth at which the tissue's temperature is watched: two neighbouring nodes and their weights.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth {
     /// The shallower of the two nodes.
     pub node: usize,
@@ -31,7 +31,7 @@ impl Depth {
 
 /// Heat capacities and conductances of one wire and the tissue under it: a chain with the wire at one
 /// end and the body at the other.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ThermalNetwork {
     /// Heat capacity of each node, J/K; node 0 without latent heat.
     pub capacity: [f64; NODES],

@@ -85,12 +85,26 @@ impl Exact {
         tissue: &TissueParameters,
         start_c: f64,
     ) -> Result<Self, ParameterError> {
+        Self::beside(None, wire, tissue, start_c)
+    }
+
+    /// [`Self::new`] beside a wire whose regimes are used again where both have the same network.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn beside(
+        other: Option<&Self>,
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
         if !start_c.is_finite() {
             return Err(ParameterError { name: "start_c" });
         }
         let network = ThermalNetwork::new(wire, tissue)?;
         let phase = Phase::new(wire, tissue, start_c)?;
-        let regimes = Regimes::default();
+        let same = other.filter(|other| *other.network == network);
+        let regimes = same.map_or_else(Regimes::default, |same| same.regimes.clone());
         let resting = regimes.of(
             &network,
             ModeKey {

@@ -59,7 +59,21 @@ impl Wire {
         tissue: &TissueParameters,
         start_c: f64,
     ) -> Result<Self, ParameterError> {
-        let solver = Exact::new(wire, tissue, start_c)?;
+        Self::beside(None, wire, tissue, start_c)
+    }
+
+    /// [`Self::new`] beside a wire on the same finger, of the same alloy or another: equal work is done once for both.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with, by name.
+    pub fn beside(
+        other: Option<&Self>,
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
+        let other = other.map(|other| &other.solver);
+        let solver = Exact::beside(other, wire, tissue, start_c)?;
         Ok(Self {
             solver,
             pulse: None,

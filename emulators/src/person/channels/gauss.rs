@@ -27,6 +27,7 @@ pub struct Gauss {
 }
 
 /// Legendre's polynomials of degree 0 to `NODES` at `x` in -1 to 1.
+#[inline(always)]
 fn legendre(x: f64) -> [f64; NODES + 1] {
     let mut p = [
         1.0, x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
@@ -79,12 +80,14 @@ impl Gauss {
     }
 
     /// The mean of what has these values at the nodes.
+    #[inline(always)]
     pub fn mean(&self, values: &[f64; NODES]) -> f64 {
         let terms = self.weights.iter().zip(values);
         terms.map(|(w, v)| w * v).sum()
     }
 
     /// Coefficients of what has these values at the nodes.
+    #[inline(always)]
     pub fn coefficients(&self, values: &[f64; NODES]) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for (series, value) in self.series.iter().zip(values) {
@@ -97,6 +100,7 @@ impl Gauss {
 }
 
 /// The square at the start of what has these [`Gauss::coefficients`], where its magnitude only falls on the interval.
+#[inline(always)]
 pub fn fades(coefficients: &[f64; NODES]) -> Option<f64> {
     let (mut start, mut end, mut bends) = (0.0, 0.0, 0.0);
     for (degree, c) in coefficients.iter().enumerate() {
@@ -115,6 +119,7 @@ pub fn fades(coefficients: &[f64; NODES]) -> Option<f64> {
 }
 
 /// Integral from 0 to `part` of what has these [`Gauss::coefficients`].
+#[inline(always)]
 pub fn integral(coefficients: &[f64; NODES], part: f64) -> f64 {
     let x = 2.0 * part - 1.0;
     let p = legendre(x);

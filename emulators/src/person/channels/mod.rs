@@ -307,9 +307,14 @@ impl Perceiver {
             let times: [f64; CELL] =
                 core::array::from_fn(|look| ((cell * CELL + look) as f64 * LOOK_S).min(end));
             let mut sums = [0.0; CELL];
-            for wire in &self.wires {
-                wire.add_energies(&self.shared.rule, &times, &mut sums);
-            }
+            self.shared.vectors.run(
+                #[inline(always)]
+                || {
+                    for wire in &self.wires {
+                        wire.add_energies(&self.shared.rule, &times, &mut sums);
+                    }
+                },
+            );
             let looks = times.iter().zip(sums).map(|(t, sum)| self.leaked(*t, sum));
             most = looks.fold(most, f64::max);
         }

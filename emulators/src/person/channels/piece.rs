@@ -222,6 +222,7 @@ pub struct Outputs {
 const PARABOLA: f64 = 1.25;
 
 /// Raises `most` to the largest magnitude of what has these values at the nodes.
+#[inline(always)]
 pub fn raise(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES], most: &mut f64) {
     let mut largest = 0.0;
     for value in values {

@@ -156,11 +156,15 @@ impl WireFilter {
     ) {
         match self.rests(terms) {
             true => self.rest(piece),
-            false => self.move_on(shared, stretch, terms, piece),
+            false => shared.vectors.run(
+                #[inline(always)]
+                || self.move_on(shared, stretch, terms, piece),
+            ),
         }
     }
 
     /// A piece in which something moves, or rings.
+    #[inline(always)]
     fn move_on(
         &mut self,
         shared: &mut Shared,
@@ -227,6 +231,7 @@ impl WireFilter {
     }
 
     /// Adds the energy that had flowed in until each of these times, which rise, s.
+    #[inline(always)]
     pub fn add_energies(&self, rule: &Gauss, times: &[f64], sums: &mut [f64]) {
         let mut known = None;
         for (&t, sum) in times.iter().zip(sums) {
