@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::fixed::distance2_um;
 use crate::measure::{Errors, Sum};
 use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace, event};
@@ -18,6 +20,29 @@ const CENTROIDS: [Centroid; 2] = [
 
 /// A level where no wire moved, thousandths of a decibel.
 const SILENCE_MDB: i32 = -200_000;
+
+/// Felt level and error of a bench over all draws of what is not measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FeltBand {
+    /// Level over the person's threshold at 5, 50 and 95 %, dB.
+    pub level_db: [f64; 3],
+    /// Share of draws whose person feels half of the onsets or more.
+    pub felt: f64,
+    /// Error of the felt place over all onsets at 5, 50 and 95 %, RMSE, mm.
+    pub error_mm: [f64; 3],
+    /// Number of draws.
+    pub draws: usize,
+    /// Effective sample size of their weights.
+    pub effective: f64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Scene that every draw played.
+    pub scene: String,
+    /// True if the law planned with each draw's own wire.
+    pub identified: bool,
+    /// Evidence by which draws were weighed.
+    pub evidence: Vec<String>,
+}
 
 /// A felt path by one centroid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,89 +7,63 @@ use palpate_files::{
     resolve_from,
 };
 use palpate_records::digest::short_digest;
-use serde::Serialize;
+use palpate_records::felt::FeltBand;
 
 /// The scene that every draw of a calibration plays.
 pub const SCENE: &str = "sphere-along";
 
-/// Felt level and error of a bench over all draws of what is not measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FeltBand {
-    /// Level over the person's threshold at 5, 50 and 95 %, dB.
-    pub level_db: [f64; 3],
-    /// Share of draws whose person feels half of the onsets or more.
-    pub felt: f64,
-    /// Error of the felt place over all onsets at 5, 50 and 95 %, RMSE, mm.
-    pub error_mm: [f64; 3],
-    /// Number of draws.
-    pub draws: usize,
-    /// Effective sample size of their weights.
-    pub effective: f64,
-    /// Seed of the draws.
-    pub seed: u64,
-    /// Scene that every draw played.
-    pub scene: String,
-    /// True if the law planned with each draw's own wire.
-    pub identified: bool,
-    /// Evidence by which draws were weighed.
-    pub evidence: Vec<String>,
-}
-
-impl FeltBand {
-    /// The band of a setup's bench.
-    ///
-    /// # Errors
-    /// Words for why there is none, with the command that makes one.
-    pub fn of(setup: &Setup) -> Result<Self, String> {
-        let typed = setup.bench.typed();
-        let Some(Loaded {
-            value: file,
-            source,
-        }) = &setup.band
-        else {
-            return Err(format!(
-                "not computed: hil calibrate {typed} --out FILE, then band = \"FILE\" in the bench"
-            ));
-        };
-        let law = setup.scene.value.illusion.model.name();
-        if file.law != law {
-            return Err(format!(
-                "not computed for the law {law}: {} has {}",
-                source.label(),
-                file.law
-            ));
-        }
-        // A browser's page has built-in files alone, whose digests a test compares; to compute one there would weigh more
-        // than it tells.
-        let holds = match cfg!(target_family = "wasm") {
-            true => Ok(setup.bench.is_as_shipped()),
-            false => read_digest(setup, file, source).map(|digest| digest == file.digest),
-        };
-        match holds {
-            Ok(true) => Ok(Self::from(file)),
-            Ok(false) => Err(format!(
-                "not computed: {} is of other values; hil calibrate {typed}{} makes it anew",
-                source.label(),
-                options(file, source)
-            )),
-            Err(error) => Err(format!("not computed: {error}")),
-        }
+/// The band of a setup's bench.
+///
+/// # Errors
+/// Words for why there is none, with the command that makes one.
+pub fn band(setup: &Setup) -> Result<FeltBand, String> {
+    let typed = setup.bench.typed();
+    let Some(Loaded {
+        value: file,
+        source,
+    }) = &setup.band
+    else {
+        return Err(format!(
+            "not computed: hil calibrate {typed} --out FILE, then band = \"FILE\" in the bench"
+        ));
+    };
+    let law = setup.scene.value.illusion.model.name();
+    if file.law != law {
+        return Err(format!(
+            "not computed for the law {law}: {} has {}",
+            source.label(),
+            file.law
+        ));
+    }
+    // A browser's page has built-in files alone, whose digests a test compares; to compute one there would weigh more
+    // than it tells.
+    let holds = match cfg!(target_family = "wasm") {
+        true => Ok(setup.bench.is_as_shipped()),
+        false => read_digest(setup, file, source).map(|digest| digest == file.digest),
+    };
+    match holds {
+        Ok(true) => Ok(read(file)),
+        Ok(false) => Err(format!(
+            "not computed: {} is of other values; hil calibrate {typed}{} makes it anew",
+            source.label(),
+            options(file, source)
+        )),
+        Err(error) => Err(format!("not computed: {error}")),
     }
 }
 
-impl From<&BandFile> for FeltBand {
-    fn from(file: &BandFile) -> Self {
-        Self {
-            level_db: file.level_db,
-            felt: file.felt,
-            error_mm: file.error_mm,
-            draws: file.draws,
-            effective: file.effective,
-            seed: file.seed,
-            scene: file.scene.clone(),
-            identified: file.identified,
-            evidence: file.evidence.clone(),
-        }
+/// The band that a file has.
+fn read(file: &BandFile) -> FeltBand {
+    FeltBand {
+        level_db: file.level_db,
+        felt: file.felt,
+        error_mm: file.error_mm,
+        draws: file.draws,
+        effective: file.effective,
+        seed: file.seed,
+        scene: file.scene.clone(),
+        identified: file.identified,
+        evidence: file.evidence.clone(),
     }
 }
 

@@ -28,7 +28,7 @@ fn every_band_that_ships_is_of_its_bench() {
     for name in FileKind::Band.names() {
         let setup = Setup::load(SCENE, name).unwrap();
         assert!(setup.bench.is_as_shipped(), "{name}");
-        let band = FeltBand::of(&setup).unwrap_or_else(|why| {
+        let band = band(&setup).unwrap_or_else(|why| {
             panic!("{name}: {why}; `ci/bands --write {name}` does so for the shipped one")
         });
         assert!(band.effective >= crate::calibrate::ENOUGH, "{name}");
@@ -72,7 +72,7 @@ fn what_the_draws_go_back_to_is_in_the_digest_and_a_comment_is_not() {
 
 #[test]
 fn a_bench_that_was_changed_names_the_command_for_its_own_band() {
-    let why = |set: &[&str]| FeltBand::of(&setup("sphere-circle", set)).unwrap_err();
+    let why = |set: &[&str]| band(&setup("sphere-circle", set)).unwrap_err();
     assert_eq!(
         why(&["bench.drive.current_ma=800", "bench.description=two words"]),
         "not computed: fixtures/bands/emulated.toml is of other values; hil calibrate emulated --set drive.current_ma=800 --set 'description=two words' --out FILE makes it anew"
@@ -84,7 +84,7 @@ fn a_bench_that_was_changed_names_the_command_for_its_own_band() {
     let mut without = setup("sphere-circle", &[]);
     without.band = None;
     assert_eq!(
-        FeltBand::of(&without).unwrap_err(),
+        band(&without).unwrap_err(),
         "not computed: hil calibrate emulated --out FILE, then band = \"FILE\" in the bench"
     );
 }
@@ -92,19 +92,19 @@ fn a_bench_that_was_changed_names_the_command_for_its_own_band() {
 #[test]
 fn a_band_by_other_evidence_is_made_anew_with_it() {
     let mut own = setup(SCENE, &[]);
-    let band = own.band.as_mut().unwrap();
-    band.value.evidence.push("found.toml".to_owned());
-    let why = FeltBand::of(&own).unwrap_err();
+    let file = own.band.as_mut().unwrap();
+    file.value.evidence.push("found.toml".to_owned());
+    let why = band(&own).unwrap_err();
     assert!(
         why.contains("evidence[1]: expected evidence (published) or a file, found \"found.toml\""),
         "{why}"
     );
-    let band = own.band.as_mut().unwrap();
-    band.value.evidence.pop();
-    band.value.evidence.push("published".to_owned());
-    band.value.seed = 11;
-    band.value.identified = false;
-    let why = FeltBand::of(&own).unwrap_err();
+    let file = own.band.as_mut().unwrap();
+    file.value.evidence.pop();
+    file.value.evidence.push("published".to_owned());
+    file.value.seed = 11;
+    file.value.identified = false;
+    let why = band(&own).unwrap_err();
     let command = "hil calibrate emulated --evidence published --evidence published --planned nominal --seed 11 --out FILE";
     assert!(why.contains(command), "{why}");
 }

@@ -66,7 +66,6 @@ mod verdict;
 mod wish;
 
 pub use activations::Activations;
-pub use band::FeltBand;
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::{Failure, damaged};
 pub use finder::{Finder, Search};

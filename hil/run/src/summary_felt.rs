@@ -2,12 +2,11 @@
 
 use palpate_core::projector::Projector;
 use palpate_files::Scene;
-use palpate_records::felt::FeltPath;
+use palpate_records::felt::{FeltBand, FeltPath};
 use palpate_records::measure::Errors;
 use palpate_records::trace::Header;
 use serde::Serialize;
 
-use crate::band::FeltBand;
 use crate::path_error::PathError;
 use crate::plan;
 use crate::states::FeltState;

@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
+use palpate_records::felt::FeltBand;
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::model;
 use palpate_records::trace::Source;
 
-use crate::band::FeltBand;
 use crate::boards::{BoardReport, BusReport};
 use crate::pass::PassReport;
 use crate::path_error::PathError;
@@ -127,19 +127,17 @@ impl AskedLevel {
     }
 }
 
-impl FeltBand {
-    /// Line of the band.
-    fn line(&self) -> Line {
-        let [low, half, high] = self.level_db;
-        let [least, middle, most] = self.error_mm;
-        let words = format!(
-            "{low:+.1} to {high:+.1} dB, {half:+.1} median; {:.0} % feel it; error {least:.1} to {most:.1} mm, {middle:.1} median (5 to 95 % of {} draws on {})",
-            100.0 * self.felt,
-            self.draws,
-            self.scene
-        );
-        line("felt band", words)
-    }
+/// Line of a band.
+fn band_line(band: &FeltBand) -> Line {
+    let [low, half, high] = band.level_db;
+    let [least, middle, most] = band.error_mm;
+    let words = format!(
+        "{low:+.1} to {high:+.1} dB, {half:+.1} median; {:.0} % feel it; error {least:.1} to {most:.1} mm, {middle:.1} median (5 to 95 % of {} draws on {})",
+        100.0 * band.felt,
+        band.draws,
+        band.scene
+    );
+    line("felt band", words)
 }
 
 impl DisplaySummary {
@@ -243,7 +241,7 @@ impl Summary {
         lines.extend(passed.map(|text| line("hot pass", text)));
         lines.push(line("felt level", self.felt.words()));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
-        lines.extend(self.felt.band.as_ref().map(FeltBand::line));
+        lines.extend(self.felt.band.as_ref().map(band_line));
         let none = self.felt.no_band.as_ref();
         lines.extend(none.map(|why| line("felt band", why.clone())));
         lines.extend(self.felt.states_line());

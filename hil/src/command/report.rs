@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::Setup;
 use palpate_records::report::{
-    FingerReport, HandReport, Pad, ReportBand, ReportExtras, ReportState, SummaryRow, hand_html,
-    report_html,
+    FingerReport, HandReport, Pad, ReportExtras, ReportState, SummaryRow, hand_html, report_html,
 };
 use palpate_run::{Outcome, Refresh};
 
@@ -67,15 +66,6 @@ pub fn report(outcome: &Outcome) -> String {
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
     ];
-    let band = s.felt.band.as_ref().map(|band| ReportBand {
-        level_db: band.level_db,
-        felt: band.felt,
-        error_mm: band.error_mm,
-        draws: band.draws,
-        effective: band.effective,
-        scene: band.scene.clone(),
-        evidence: band.evidence.join(", "),
-    });
     let states = s.felt.states.iter().map(|state| ReportState {
         state: state.state,
         level_db: state.level_db,
@@ -87,7 +77,7 @@ pub fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
-            band: band.as_ref(),
+            band: s.felt.band.as_ref(),
             no_band: s.felt.no_band.as_deref(),
             states: &states,
             readings: outcome.readings.as_ref(),

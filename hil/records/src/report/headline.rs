@@ -1,8 +1,7 @@
 //! The result at a glance: the first figures of the page.
 
-use super::ReportBand;
 use super::svg::escape;
-use crate::felt::{felt_level, felt_scores};
+use crate::felt::{FeltBand, felt_level, felt_scores};
 use crate::margin::{Limited, Margin};
 use crate::measure::path_error;
 use crate::model;
@@ -28,7 +27,7 @@ fn tile(name: &'static str, value: String, more: String) -> Tile {
 }
 
 /// Writes the figures; those without a value in the run are left out.
-pub(super) fn tiles(page: &mut String, trace: &Trace, band: Option<&ReportBand>) {
+pub(super) fn tiles(page: &mut String, trace: &Trace, band: Option<&FeltBand>) {
     let ledger = &trace.ledger;
     let driven = ledger.driven;
     let tiles = [
@@ -79,7 +78,7 @@ fn onsets(trace: &Trace) -> Option<Tile> {
     })
 }
 
-fn level(trace: &Trace, band: Option<&ReportBand>) -> Option<Tile> {
+fn level(trace: &Trace, band: Option<&FeltBand>) -> Option<Tile> {
     let level = felt_level(trace)?;
     let um = f64::from(level.skin_median_nm) * 1e-3;
     let mut more = format!("and {um:.1} um of the skin, median inside the wires");

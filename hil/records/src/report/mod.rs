@@ -22,6 +22,7 @@ mod thermal;
 mod timeplot;
 
 use crate::digest::trace_digest;
+use crate::felt::FeltBand;
 use crate::readings::Readings;
 use crate::trace::{Source, Trace};
 use crate::verdict::Conclusion;
@@ -43,25 +44,6 @@ pub struct SummaryRow {
     pub unit: String,
     /// `true` for a value to look at.
     pub over: bool,
-}
-
-/// Felt level and error of a bench at 5, 50 and 95 % of all that is not measured.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReportBand {
-    /// Median level, dB over the person's threshold.
-    pub level_db: [f64; 3],
-    /// Share of draws whose person feels it.
-    pub felt: f64,
-    /// Error of the felt place over all onsets, RMSE, mm.
-    pub error_mm: [f64; 3],
-    /// Number of draws.
-    pub draws: usize,
-    /// Effective sample size of their weights.
-    pub effective: f64,
-    /// Scene that every draw played.
-    pub scene: String,
-    /// Evidence by which draws were weighed.
-    pub evidence: String,
 }
 
 /// The run through its wires in one of their states.
@@ -86,7 +68,7 @@ pub struct ReportExtras<'a> {
     /// without being named here.
     pub summary: &'a [SummaryRow],
     /// Felt level and error of the bench over all that is not measured, where they are known.
-    pub band: Option<&'a ReportBand>,
+    pub band: Option<&'a FeltBand>,
     /// Reason why they are not known.
     pub no_band: Option<&'a str>,
     /// The run in each state of its wires.

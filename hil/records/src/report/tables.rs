@@ -254,7 +254,7 @@ pub(super) fn band(page: &mut String, extras: &ReportExtras<'_>) {
         page,
         "<section><h2>Felt band</h2><p class=\"sub\">Wires, fingers and people as priors and evidence ({}) allow: {} draws \
          on {}, of which {:.0} count. {:.0} % feel it.</p>{}</section>",
-        escape(&band.evidence),
+        escape(&band.evidence.join(", ")),
         band.draws,
         escape(&band.scene),
         band.effective,

@@ -163,14 +163,16 @@ fn the_result_counts_what_is_felt_and_marks_what_is_not() {
 #[test]
 fn band_and_states_are_tables() {
     let trace = synthetic::circle(1);
-    let band = ReportBand {
+    let band = FeltBand {
         level_db: [-22.2, 1.0, 10.6],
         felt: 0.8,
         error_mm: [0.656, 1.2, 8.4],
         draws: 1000,
         effective: 210.4,
+        seed: 1,
         scene: "sphere-along".to_owned(),
-        evidence: "<mine>".to_owned(),
+        identified: true,
+        evidence: vec!["<mine>".to_owned()],
     };
     let state = |state, level_db, error_mm| ReportState {
         state,

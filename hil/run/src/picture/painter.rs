@@ -7,7 +7,7 @@ use palpate_records::trace::{Driven, Event, Header, PlaceUm, event};
 
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
-use crate::band::FeltBand;
+use crate::band;
 
 /// Time between two looks at temperatures and shares of limits, microseconds: a reader sees no more.
 const LOOK_US: u64 = 100_000;
@@ -72,7 +72,7 @@ impl Painter {
             Some((touch.clone(), origin(setup, module)))
         });
         let numbered = modules.iter().enumerate();
-        let band = FeltBand::of(setup);
+        let band = band::band(setup);
         Self {
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
             modules: numbered

@@ -16,7 +16,7 @@ use palpate_records::trace::{Event, Header, Ledger};
 use super::shared::{Pads, Shared};
 use super::{HALF, Run, part};
 use crate::actuator_bus::ActuatorBus;
-use crate::band::FeltBand;
+use crate::band;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -258,7 +258,7 @@ impl<'a> Finger<'a> {
         let known = summary.path_error_mm.is_some();
         // A band is of one display.
         if self.run.keep.spread && self.place.name.is_none() {
-            match FeltBand::of(setup) {
+            match band::band(setup) {
                 Ok(band) => summary.felt.band = Some(band),
                 Err(why) => summary.felt.no_band = Some(why),
             }
