@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 pub mod display;
+pub mod haptic;
 pub mod network;
 pub mod person;
 pub mod sensor;

@@ -1,4 +1,4 @@
-//! An I2C segment: several PCA9685 and DAC7578 on one pair of wires, one bus clock, virtual time.
+//! An I2C segment: several PCA9685, DAC7578 and haptic drivers on one pair of wires, one bus clock, virtual time.
 //!
 //! A transaction starts at [`I2cSegment::now`] and takes a bit time each for START, repeated START and STOP and
 //! nine for a byte. Every byte reaches the chips at the instant of its ACK and the STOP at its end, so what
@@ -19,6 +19,8 @@ use embedded_hal::i2c::Operation;
 
 use crate::display::dac7578::{Dac7578, Level};
 use crate::display::pca9685::{Edge, Pca9685};
+use crate::haptic::drv2605::Drv2605;
+use crate::haptic::tca9548a::Tca9548a;
 use crate::time::Nanos;
 pub use error::Error;
 pub use handle::{I2cHandle, immediate};
@@ -100,7 +102,9 @@ pub struct I2cSegment {
     now: Nanos,
     chips: Vec<Pca9685>,
     converters: Vec<Dac7578>,
-    /// Chips that took part since the last STOP, then converters.
+    muxes: Vec<Tca9548a>,
+    haptics: Vec<Drv2605>,
+    /// Devices that took part since the last STOP, in the order of [`Self::targets`].
     involved: Vec<bool>,
     /// SCL is held low for so long before the next byte.
     held: Nanos,
@@ -120,6 +124,8 @@ impl I2cSegment {
             involved: vec![false; chips.len()],
             chips,
             converters: Vec::new(),
+            muxes: Vec::new(),
+            haptics: Vec::new(),
             held: Nanos::ZERO,
             log: VecDeque::new(),
             log_capacity: 0,
@@ -136,8 +142,20 @@ impl I2cSegment {
 
     /// Puts these converters beside the chips.
     pub fn with_converters(mut self, converters: Vec<Dac7578>) -> Self {
-        self.involved = vec![false; self.chips.len() + converters.len()];
         self.converters = converters;
+        self.with_all_at_rest()
+    }
+
+    /// Puts these multiplexers, with what is behind them, and these haptic drivers beside the chips.
+    pub fn with_haptics(mut self, muxes: Vec<Tca9548a>, drivers: Vec<Drv2605>) -> Self {
+        (self.muxes, self.haptics) = (muxes, drivers);
+        self.with_all_at_rest()
+    }
+
+    fn with_all_at_rest(mut self) -> Self {
+        let devices = [self.chips.len(), self.converters.len(), self.muxes.len()];
+        let count = devices.iter().sum::<usize>() + self.haptics.len();
+        self.involved = vec![false; count];
         self
     }
 
@@ -175,6 +193,9 @@ impl I2cSegment {
             let until = to.max(chip.now());
             chip.advance(until, &mut |edge| sink(number, edge));
         }
+        let until = self.now;
+        self.muxes.iter_mut().for_each(|mux| mux.advance(until));
+        self.haptics.iter_mut().for_each(|chip| chip.advance(until));
     }
 
     /// The chips, to touch them.
@@ -185,6 +206,16 @@ impl I2cSegment {
     /// The converters, to touch them.
     pub fn converters_mut(&mut self) -> &mut [Dac7578] {
         &mut self.converters
+    }
+
+    /// The multiplexers, with what is behind them, to touch them.
+    pub fn muxes_mut(&mut self) -> &mut [Tca9548a] {
+        &mut self.muxes
+    }
+
+    /// The haptic drivers that no multiplexer is before, to touch them.
+    pub fn haptics_mut(&mut self) -> &mut [Drv2605] {
+        &mut self.haptics
     }
 
     /// Hands `sink` every change of a converter's output until `to` that was not handed over yet, with the number of its
@@ -199,7 +230,10 @@ impl I2cSegment {
     fn targets(&mut self) -> impl Iterator<Item = (&mut dyn Target, &mut bool)> {
         let chips = self.chips.iter_mut().map(|chip| chip as &mut dyn Target);
         let converters = self.converters.iter_mut().map(|c| c as &mut dyn Target);
-        chips.chain(converters).zip(&mut self.involved)
+        let muxes = self.muxes.iter_mut().map(|mux| mux as &mut dyn Target);
+        let haptics = self.haptics.iter_mut().map(|h| h as &mut dyn Target);
+        let all = chips.chain(converters).chain(muxes).chain(haptics);
+        all.zip(&mut self.involved)
     }
 
     /// A device holds SCL low for `span` before the next byte is through.

@@ -2,6 +2,8 @@
 
 use crate::display::dac7578::Dac7578;
 use crate::display::pca9685::Pca9685;
+use crate::haptic::drv2605::Drv2605;
+use crate::haptic::tca9548a::Tca9548a;
 use crate::time::Nanos;
 
 /// The bus face of a chip. Every call comes at the instant of its ACK.
@@ -49,4 +51,4 @@ macro_rules! targets {
     )+};
 }
 
-targets!(Pca9685, Dac7578);
+targets!(Pca9685, Dac7578, Drv2605, Tca9548a);
