@@ -151,3 +151,6 @@ impl Coil {
         self.celsius = end + (self.celsius - end) * libm::exp(-seconds / self.warming_s);
     }
 }
+
+#[cfg(test)]
+mod published;

@@ -151,3 +151,7 @@ impl Tca9548a {
         self.own = false;
     }
 }
+
+#[cfg(test)]
+#[path = "tca9548a_tests.rs"]
+mod tests;

@@ -397,11 +397,11 @@ impl Drv2605 {
                 } else {
                     gain
                 };
-                ((goal + gain * missing) * settings.rated_v(hz))
-                    .clamp(-settings.clamp_v(), settings.clamp_v())
+                (goal + gain * missing) * settings.rated_v(hz)
             }
         };
-        let volts = volts.clamp(-self.supply_v, self.supply_v);
+        let most = settings.clamp_v().min(self.supply_v).max(0.0);
+        let volts = volts.clamp(-most, most);
         let (output, seconds) = match &self.motor {
             _ if !settings.is_lra() => (Drive::Steady(volts), settings.drive_s()),
             Motor::Lra(lra) if !settings.is_open_loop() => {
