@@ -24,6 +24,7 @@ mod fingers;
 mod goldens;
 mod guard;
 mod hand;
+mod haptic;
 mod illusion;
 mod link;
 mod overrun;

@@ -22,13 +22,18 @@ fn tests(source: &str) -> impl Iterator<Item = &str> {
 
 #[test]
 fn the_table_and_the_tests_agree() {
-    let named: Vec<&str> = (TABLE.split('`').skip(1).step_by(2))
+    agree(TABLE, &FILES, 80);
+}
+
+/// Compares a page's tables with the tests of these files, of which there are more than `least`.
+pub fn agree(page: &str, files: &[(&str, &str)], least: usize) {
+    let named: Vec<&str> = (page.split('`').skip(1).step_by(2))
         .filter(|code| code.contains("::") && !code.contains(' '))
         .collect();
-    let there: Vec<String> = (FILES.iter())
+    let there: Vec<String> = (files.iter())
         .flat_map(|(file, source)| tests(source).map(move |name| format!("{file}::{name}")))
         .collect();
-    assert!(there.len() > 80);
+    assert!(there.len() > least);
     for name in &named {
         assert!(there.iter().any(|t| t == name), "the table names {name}");
     }

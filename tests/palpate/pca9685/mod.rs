@@ -24,6 +24,8 @@ mod state_machine;
 mod time;
 mod updates;
 
+pub use conformance::agree;
+
 use embedded_hal::i2c::{I2c, Operation};
 use palpate_core::codec::pca9685 as map;
 use palpate_core::units::Channel;
