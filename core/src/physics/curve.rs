@@ -168,7 +168,7 @@ impl Shape {
         let mut length = 0.0;
         while (to - from).abs() > 0.0 {
             let bend = self.bend(from, to);
-            if !(bend > BEND_M) {
+            if bend.is_nan() || bend <= BEND_M {
                 break;
             }
             let whole = to - from;

@@ -79,7 +79,7 @@ impl Erm {
 
     /// Lets `seconds` pass under a drive. A wave is far faster than the rotor and turns nothing.
     pub fn pass(&mut self, drive: &Drive, seconds: f64) {
-        if !(seconds > 0.0) {
+        if seconds.is_nan() || seconds <= 0.0 {
             return;
         }
         let volts = match (self.fault, *drive) {

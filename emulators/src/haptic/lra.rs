@@ -120,7 +120,7 @@ impl Lra {
 
     /// Lets `seconds` pass under a drive.
     pub fn pass(&mut self, drive: &Drive, seconds: f64) {
-        if !(seconds > 0.0) {
+        if seconds.is_nan() || seconds <= 0.0 {
             return;
         }
         let drive = match self.fault {

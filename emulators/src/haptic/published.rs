@@ -1,5 +1,7 @@
 //! Drivers of others over the emulated chips: `xca9548a` and `drv2605`, and what Linux and Adafruit's library send.
 
+#![allow(clippy::float_cmp)] // ends of ranges and a rotor at rest are exact
+
 use drv2605::{Drv2605 as Driver, Effect, LibrarySelection};
 use embedded_hal::i2c::I2c;
 use xca9548a::{SlaveAddr, Xca9548a};
