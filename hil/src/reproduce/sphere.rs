@@ -1,0 +1,295 @@
+//! Rows of figures 4.5 and 4.6: a sphere that rolls over one module from the bottom to the top.
+
+use palpate_files::{Scene, Setup, ThresholdFrom, load_bench, load_scene};
+use palpate_live::host;
+use palpate_live::views::Wanted;
+use palpate_records::trace::{Event, event};
+use palpate_run::{Failure, Input, Keep, Outcome};
+use serde_json::json;
+
+use super::frame::PITCH_MM;
+use super::row::{Answer, Mark, Row};
+
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        id: "claim-4.4.1-rate",
+        says: "The module is read at about 100 Hz.",
+        assumed: "Boards on one CAN bus of 1 Mbit/s.",
+        compute: rate,
+    },
+    Row {
+        id: "fig-4.5-A",
+        says: "The contact lies where the pressure is, and its path is very smooth.",
+        assumed: "Close is within a tenth of the pitch (0.47 mm) of the sphere, over the inner taxels. From edge to edge in 1.08 s, force rising from 0.1 to 1 N: neither is printed.",
+        compute: path,
+    },
+    Row {
+        id: "fig-4.5-B",
+        says: "Readouts that just count as contact have the first of K_I = 10 static levels.",
+        assumed: "The roll of fig-4.5-A.",
+        compute: rug,
+    },
+    Row {
+        id: "fig-4.6-A",
+        says: "At most 12 of 16 taxels are in contact, while the sphere is at the top border.",
+        assumed: "The roll of fig-4.5-A with the threshold of (4.3) and no margin. The skin's coupling is assumed.",
+        compute: fullest,
+    },
+    Row {
+        id: "fig-4.6-B",
+        says: "Compression is faster than the sensor's 100 Hz for K_C of 1 to 8, and slower for K_C = 16.",
+        assumed: "This machine, one core: the whole loop from CAN frames to wires.",
+        compute: speed,
+    },
+    Row {
+        id: "fig-4.6-C",
+        says: "More clusters cover more of the contact, until K_C = 16 gives every taxel in contact.",
+        assumed: "The fullest frame of fig-4.6-A.",
+        compute: cover,
+    },
+];
+
+/// Most contacts that figure 4.6 asks for.
+pub(super) const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
+/// Highest taxel, mm.
+const EDGE_MM: f64 = 7.05;
+
+/// Changes a shipped scene and joins it with the default bench.
+pub(super) fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Failure> {
+    let mut scene = load_scene(name)?;
+    change(&mut scene.value);
+    Ok(Setup::join(scene, load_bench("emulated")?)?)
+}
+
+/// Runs a scene with every frame timed.
+pub(super) fn run(setup: &Setup) -> Result<Outcome, Failure> {
+    host::run(setup, &Input::Scene, 1, Keep::default(), Wanted::default())
+}
+
+/// The roll from bottom to top with the thesis's threshold: `mean` newtons, up and down by `swing` of it.
+fn roll(kc: u32, mean: f64, swing: f64) -> Result<Setup, Failure> {
+    changed("sphere-along", |scene| {
+        scene.length_s = 2.4;
+        scene.compression.kc = kc;
+        scene.threshold = ThresholdFrom::Maximum;
+        scene.threshold_margin = 0.0;
+        for touch in &mut scene.touches {
+            touch.start_s = 1.02;
+            touch.end_s = 2.1;
+            touch.ramp_s = 0.01;
+            touch.path.period_s = None;
+            // From its least at the bottom to its most at the top.
+            touch.force_n.mean = mean;
+            touch.force_n.amplitude = swing * mean;
+            touch.force_n.period_s = 4.32;
+        }
+    })
+}
+
+/// The roll of figure 4.5: 0.1 N and, at the top, 0.9 N more.
+fn rising(kc: u32) -> Result<Outcome, Failure> {
+    let mut setup = roll(kc, 0.5, 0.0)?;
+    for touch in &mut setup.scene.value.touches {
+        touch.force_n.amplitude = 0.5;
+    }
+    run(&setup)
+}
+
+fn rate() -> Result<Answer, Failure> {
+    let outcome = run(&changed("sphere-along", |_| {})?)?;
+    let refresh = outcome.summary.taxels.refresh_hz;
+    let hz = refresh.map_or(0.0, |r| r.median);
+    let frames = f64::from(outcome.summary.frames) / 10.0;
+    Ok(Answer::new(
+        Mark::of((95.0..=105.0).contains(&frames), || {
+            "the boards have another rate".into()
+        }),
+        format!("{frames:.1} frames per second; a taxel changes {hz:.1} times per second."),
+        json!({ "frames_hz": frames }),
+    ))
+}
+
+/// Frames of a run: time, taxels in contact, true place of the sphere, the contact.
+struct Seen {
+    in_contact: u16,
+    truth: Option<(f64, f64)>,
+    contacts: Vec<event::Contact>,
+}
+
+fn frames(outcome: &Outcome) -> Vec<Seen> {
+    let mm = |p: palpate_records::trace::PlaceUm| (f64::from(p.x) * 1e-3, f64::from(p.y) * 1e-3);
+    let mut all = Vec::new();
+    let mut times = Vec::new();
+    for event in &outcome.trace.events {
+        if let Event::Frame(frame) = event {
+            times.push(frame.t_us);
+            all.push(Seen {
+                in_contact: frame.in_contact,
+                truth: None,
+                contacts: Vec::new(),
+            });
+        }
+    }
+    for event in &outcome.trace.events {
+        let (t_us, truth, contact) = match event {
+            Event::Truth(truth) => (truth.t_us, Some(mm(truth.place)), None),
+            Event::Contact(contact) => (contact.t_us, None, Some(*contact)),
+            _ => continue,
+        };
+        let Ok(at) = times.binary_search(&t_us) else {
+            continue;
+        };
+        all[at].truth = truth.or(all[at].truth);
+        all[at].contacts.extend(contact);
+    }
+    all
+}
+
+fn path() -> Result<Answer, Failure> {
+    let outcome = rising(1)?;
+    let (mut inside, mut all, mut step) = (Vec::new(), Vec::new(), 0.0_f64);
+    let mut last: Option<f64> = None;
+    for seen in frames(&outcome) {
+        let (Some(truth), Some(contact)) = (seen.truth, seen.contacts.first()) else {
+            continue;
+        };
+        let (x, y) = (
+            f64::from(contact.place.x) * 1e-3,
+            f64::from(contact.place.y) * 1e-3,
+        );
+        let off = (x - truth.0).hypot(y - truth.1);
+        all.push(off * off);
+        if truth.1.abs() <= f64::from(PITCH_MM) / 2.0 {
+            inside.push(off * off);
+            if let Some(last) = last {
+                step = step.max((y - last).abs());
+            }
+            last = Some(y);
+        }
+    }
+    let rmse = |v: &[f64]| (v.iter().sum::<f64>() / v.len().max(1) as f64).sqrt();
+    let (inner, whole) = (rmse(&inside), rmse(&all));
+    let even = 2.0 * EDGE_MM / 108.0;
+    Ok(Answer::new(
+        Mark::of(inner <= 0.1 * f64::from(PITCH_MM), || {
+            format!(
+                "threshold and edge pull the centroid: {inner:.2} mm between the inner taxels, {whole:.2} mm from edge to edge"
+            )
+        }),
+        format!(
+            "{inner:.2} mm RMSE between the inner taxels, {whole:.2} mm from edge to edge. The largest step is {step:.2} mm, an even one {even:.2} mm."
+        ),
+        json!({ "rmse_inside_mm": inner, "rmse_mm": whole, "largest_step_mm": step }),
+    ))
+}
+
+fn rug() -> Result<Answer, Failure> {
+    let outcome = rising(1)?;
+    let mut found: Vec<(u32, u16)> = Vec::new();
+    for event in &outcome.trace.events {
+        if let Event::Contact(contact) = event {
+            found.push((contact.intensity_milli, contact.level));
+        }
+    }
+    let weakest = found.iter().min().copied().unwrap_or_default();
+    let levels = found.iter().map(|(_, level)| *level).max().unwrap_or(0);
+    let counts = f64::from(weakest.0) * 1e-3;
+    Ok(Answer::new(
+        Mark::of(weakest.1 == 1, || {
+            "the weakest contact has another level".into()
+        }),
+        format!(
+            "The weakest contact, {counts:.0} counts, has level {}; the highest level is {levels}.",
+            weakest.1
+        ),
+        json!({ "weakest_counts": counts, "weakest_level": weakest.1, "levels": levels }),
+    ))
+}
+
+/// Most taxels in contact, and the sphere's height then, mm.
+fn most(outcome: &Outcome) -> (u16, f64) {
+    let all = frames(outcome);
+    let fuller = all.iter().filter(|seen| seen.truth.is_some()).rev();
+    let fullest = fuller.max_by_key(|seen| seen.in_contact);
+    let y = fullest.and_then(|seen| seen.truth).map_or(0.0, |t| t.1);
+    (fullest.map_or(0, |seen| seen.in_contact), y)
+}
+
+/// Most taxels in contact while the sphere is within half a pitch of the top border.
+fn at_top(outcome: &Outcome) -> u16 {
+    let near = |seen: &&Seen| {
+        let low = EDGE_MM - f64::from(PITCH_MM) / 2.0;
+        seen.truth.is_some_and(|truth| truth.1 >= low)
+    };
+    let all = frames(outcome);
+    let counts = all.iter().filter(near).map(|seen| seen.in_contact);
+    counts.max().unwrap_or(0)
+}
+
+fn fullest() -> Result<Answer, Failure> {
+    let (count, y) = most(&rising(1)?);
+    let mut sweep = Vec::new();
+    for newtons in [0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0] {
+        let outcome = run(&roll(1, newtons, 0.0)?)?;
+        sweep.push((newtons, at_top(&outcome), most(&outcome)));
+    }
+    let told: Vec<String> = sweep
+        .iter()
+        .map(|(n, top, (most, y))| format!("{n} N: {top} at the top, {most} at most at {y:.1} mm"))
+        .collect();
+    let same = count == 12 && y >= EDGE_MM - f64::from(PITCH_MM) / 2.0;
+    Ok(Answer::new(
+        Mark::of(same, || {
+            format!(
+                "force, which the thesis does not print. At even forces: {}",
+                told.join("; ")
+            )
+        }),
+        format!("At most {count} taxels, with the sphere at {y:.1} mm of {EDGE_MM} mm."),
+        json!({ "most": count, "at_mm": y, "sweep_n": sweep.iter().map(|s| s.0).collect::<Vec<_>>(),
+            "sweep_at_top": sweep.iter().map(|s| s.1).collect::<Vec<_>>() }),
+    ))
+}
+
+/// Median speed of a run, frames per second.
+pub(super) fn hertz(outcome: &Outcome) -> f64 {
+    outcome
+        .summary
+        .frame_us
+        .map_or(0.0, |time| 1e6 / time.median)
+}
+
+fn speed() -> Result<Answer, Failure> {
+    let mut slower = Vec::new();
+    for kc in CLUSTERS {
+        if hertz(&rising(kc)?) < 100.0 {
+            slower.push(kc);
+        }
+    }
+    let found = match slower.is_empty() {
+        true => "Faster than 100 Hz for every K_C, 16 too.".to_owned(),
+        false => format!("Slower than 100 Hz for K_C of {slower:?}."),
+    };
+    let mark = match slower == [16] {
+        true => Mark::Agrees,
+        false => Mark::Unexplained,
+    };
+    Ok(Answer::new(mark, found, json!({ "slower_at": slower })))
+}
+
+fn cover() -> Result<Answer, Failure> {
+    let mut found = Vec::new();
+    let mut count = 0;
+    for kc in CLUSTERS {
+        let all = frames(&rising(kc)?);
+        let fullest = all.iter().max_by_key(|seen| seen.in_contact);
+        found.push(fullest.map_or(0, |seen| seen.contacts.len()));
+        count = fullest.map_or(0, |seen| seen.in_contact);
+    }
+    let expected = CLUSTERS.map(|kc| kc.min(u32::from(count)) as usize);
+    Ok(Answer::new(
+        Mark::of(found == expected, || "clusters are left out".into()),
+        format!("{found:?} contacts for K_C of {CLUSTERS:?}, with {count} taxels in contact."),
+        json!({ "clusters": CLUSTERS, "contacts": found, "taxels_in_contact": count }),
+    ))
+}
