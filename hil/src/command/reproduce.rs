@@ -93,8 +93,9 @@ fn count(done: &[(&Row, Answer)]) -> String {
     let unexplained = done.iter().filter(|(_, a)| a.mark == Mark::Unexplained);
     let each = Mark::WORDS.map(|word| format!("{word} {}", counts.get(word).copied().unwrap_or(0)));
     format!(
-        "{} rows: {}. Of those that differ, {} are unexplained.",
+        "{} {}: {}. Of those that differ, {} unexplained.",
         done.len(),
+        if done.len() == 1 { "row" } else { "rows" },
         each.join(", "),
         unexplained.count()
     )

@@ -121,12 +121,14 @@ fn frame() -> Result<Answer, Failure> {
     };
     let hand = plan::layout(&file)?;
     let one = module()?;
+    let read = hand.modules().iter().flat_map(|m| m.active());
+    let taxels = read.filter(|active| **active).count();
     let axes = usize::from(one.modules()[0].axes());
     let found = [
         one.taxels() * axes,
         hand.modules().len(),
-        hand.taxels(),
-        hand.taxels() * axes,
+        taxels,
+        taxels * axes,
     ];
     let same = found == [48, 15, 240, 720];
     Ok(Answer::new(

@@ -1,14 +1,11 @@
 //! Rows of figure 4.7: the hand of 15 modules at about 30 Hz, which holds twenty things of the YCB set.
 
-use std::collections::BTreeMap;
-
-use palpate_files::{Force, Path, PathKind, Scene, Setup, ThresholdFrom, Touch};
-use palpate_records::trace::{Event, event};
-use palpate_run::{Failure, Outcome};
+use palpate_files::Setup;
+use palpate_run::Failure;
 use serde_json::json;
 
 use super::row::{Answer, Mark, Row};
-use super::sphere::{CLUSTERS, changed, hertz, run};
+use super::setups::{CLUSTERS, THINGS, changed, grasp, grip, hertz, played as run, rate_hz, span};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -31,79 +28,6 @@ pub(super) const ROWS: &[Row] = &[
     },
 ];
 
-/// A thing in the hand: name, diameter where a finger meets it in mm, weight in kg.
-type Thing = (&'static str, f64, f64);
-
-/// Diameter that stands for a face without curvature, mm.
-const FLAT: f64 = 1000.0;
-
-/// The things that figure 4.7 shows, then others of the set. Flat and soft ones are [`FLAT`].
-const THINGS: [Thing; 20] = [
-    ("football", 140.0, 0.123),
-    ("baseball", 75.0, 0.148),
-    ("pack of foam", FLAT, 0.056),
-    ("foam block", FLAT, 0.028),
-    ("softball", 96.0, 0.191),
-    ("tennis ball", 64.7, 0.058),
-    ("racquetball", 55.3, 0.041),
-    ("golf ball", 42.7, 0.046),
-    ("apple", 75.0, 0.068),
-    ("orange", 73.0, 0.047),
-    ("lemon", 54.0, 0.029),
-    ("peach", 59.0, 0.033),
-    ("plum", 52.0, 0.025),
-    ("soup can", 66.0, 0.349),
-    ("chips can", 75.0, 0.205),
-    ("tuna can", 85.0, 0.171),
-    ("sugar box", FLAT, 0.514),
-    ("cracker box", FLAT, 0.411),
-    ("pudding box", FLAT, 0.187),
-    ("gelatin box", FLAT, 0.097),
-];
-
-/// Friction of a thing in the hand, assumed.
-const FRICTION: f64 = 0.5;
-/// The hand holds a thing this many times as hard as its weight asks, assumed.
-const RESERVE: f64 = 2.0;
-/// Modules of the hand.
-const MODULES: usize = 15;
-
-/// Force of each module on a thing of so many kg that all of them hold, N.
-fn grip(weight_kg: f64) -> f64 {
-    RESERVE * weight_kg * 9.81 / (FRICTION * MODULES as f64)
-}
-
-/// A grasp: every module is pressed by the same thing, each a little elsewhere.
-fn grasp(scene: &mut Scene, diameter_mm: f64, force: f64) {
-    scene.length_s = 4.5;
-    scene.threshold = ThresholdFrom::Maximum;
-    scene.threshold_margin = 0.0;
-    let touch = |module: usize| {
-        let turn = 2.4 * module as f64;
-        Touch {
-            module,
-            diameter_mm,
-            start_s: 2.0,
-            end_s: 4.4,
-            ramp_s: 0.2,
-            path: Path {
-                kind: PathKind::Circle,
-                points_mm: Vec::new(),
-                centre_mm: Some([2.0 * turn.cos(), 2.0 * turn.sin()]),
-                radius_mm: Some(1.5),
-                period_s: Some(2.0),
-                samples: Vec::new(),
-            },
-            force_n: Force {
-                mean: force * (0.8 + 0.4 * (module % 4) as f64 / 3.0),
-                amplitude: 0.1 * force,
-                period_s: 1.1,
-            },
-        }
-    };
-    scene.touches = (0..MODULES).map(touch).collect();
-}
-
 fn held(kc: u32, diameter_mm: f64, force: f64) -> Result<Setup, Failure> {
     changed("allegro-one-bus", |scene| {
         scene.compression.kc = kc;
@@ -111,23 +35,9 @@ fn held(kc: u32, diameter_mm: f64, force: f64) -> Result<Setup, Failure> {
     })
 }
 
-/// Fewest and most taxels in contact in a frame while a thing is held.
-fn span(outcome: &Outcome) -> (u32, u32) {
-    let mut frames = BTreeMap::new();
-    for event in &outcome.trace.events {
-        if let Event::Contact(event::Contact { t_us, members, .. }) = event
-            && (2_400_000..4_000_000).contains(t_us)
-        {
-            *frames.entry(*t_us).or_insert(0) += *members;
-        }
-    }
-    let least = frames.values().copied().min().unwrap_or(0);
-    (least, frames.values().copied().max().unwrap_or(0))
-}
-
 fn rate() -> Result<Answer, Failure> {
     let outcome = run(&changed("allegro-one-bus", |_| {})?)?;
-    let hz = f64::from(outcome.summary.frames) / 6.0;
+    let hz = rate_hz(&outcome);
     let taxels = outcome.summary.taxels.refresh_hz.map_or(0.0, |r| r.median);
     Ok(Answer::new(
         Mark::of((25.0..=36.0).contains(&hz), || {

@@ -44,7 +44,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         id: "claim-5.4-motion",
         says: "Successive stimuli are felt as a motion from wire to wire.",
-        assumed: "A motion needs overlap: no more time between onsets than a stimulus lasts, or a law fitted to people.",
+        assumed: "Timing alone: bursts that do not overlap need a law that was fitted to people.",
         compute: motion,
     },
     Row {
@@ -222,7 +222,7 @@ fn motion() -> Result<Answer, Failure> {
                 .into(),
         ),
         format!(
-            "{} ms of silence between bursts by the published timing, {} ms by `fingerpad` ({} ms every {} ms): neither overlaps.",
+            "{:.1} ms of silence between bursts by the published timing, {:.1} ms by `fingerpad` ({:.1} ms every {:.1} ms): neither overlaps.",
             brush[1] - brush[0],
             pad[1] - pad[0],
             pad[0],

@@ -7,6 +7,7 @@ mod hand;
 mod illusion;
 mod people;
 mod row;
+pub mod setups;
 mod sphere;
 mod texture;
 

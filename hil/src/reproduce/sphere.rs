@@ -1,14 +1,12 @@
 //! Rows of figures 4.5 and 4.6: a sphere that rolls over one module from the bottom to the top.
 
-use palpate_files::{Scene, Setup, ThresholdFrom, load_bench, load_scene};
-use palpate_live::host;
-use palpate_live::views::Wanted;
 use palpate_records::trace::{Event, event};
-use palpate_run::{Failure, Input, Keep, Outcome};
+use palpate_run::{Failure, Outcome};
 use serde_json::json;
 
 use super::frame::PITCH_MM;
 use super::row::{Answer, Mark, Row};
+use super::setups::{CLUSTERS, changed, hertz, played as run, rate_hz, roll};
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -20,7 +18,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         id: "fig-4.5-A",
         says: "The contact lies where the pressure is, and its path is very smooth.",
-        assumed: "Close is within a tenth of the pitch (0.47 mm) of the sphere, over the inner taxels. From edge to edge in 1.08 s, force rising from 0.1 to 1 N: neither is printed.",
+        assumed: "Close is within a tenth of the pitch (0.47 mm) of the sphere, over the inner taxels. From edge to edge in 1.08 s, force rising from 0.5 to 1 N: neither is printed.",
         compute: path,
     },
     Row {
@@ -49,57 +47,19 @@ pub(super) const ROWS: &[Row] = &[
     },
 ];
 
-/// Most contacts that figure 4.6 asks for.
-pub(super) const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Highest taxel, mm.
 const EDGE_MM: f64 = 7.05;
 
-/// Changes a shipped scene and joins it with the default bench.
-pub(super) fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Failure> {
-    let mut scene = load_scene(name)?;
-    change(&mut scene.value);
-    Ok(Setup::join(scene, load_bench("emulated")?)?)
-}
-
-/// Runs a scene with every frame timed.
-pub(super) fn run(setup: &Setup) -> Result<Outcome, Failure> {
-    host::run(setup, &Input::Scene, 1, Keep::default(), Wanted::default())
-}
-
-/// The roll from bottom to top with the thesis's threshold: `mean` newtons, up and down by `swing` of it.
-fn roll(kc: u32, mean: f64, swing: f64) -> Result<Setup, Failure> {
-    changed("sphere-along", |scene| {
-        scene.length_s = 2.4;
-        scene.compression.kc = kc;
-        scene.threshold = ThresholdFrom::Maximum;
-        scene.threshold_margin = 0.0;
-        for touch in &mut scene.touches {
-            touch.start_s = 1.02;
-            touch.end_s = 2.1;
-            touch.ramp_s = 0.01;
-            touch.path.period_s = None;
-            // From its least at the bottom to its most at the top.
-            touch.force_n.mean = mean;
-            touch.force_n.amplitude = swing * mean;
-            touch.force_n.period_s = 4.32;
-        }
-    })
-}
-
-/// The roll of figure 4.5: 0.1 N and, at the top, 0.9 N more.
+/// Runs the roll of figure 4.5.
 fn rising(kc: u32) -> Result<Outcome, Failure> {
-    let mut setup = roll(kc, 0.5, 0.0)?;
-    for touch in &mut setup.scene.value.touches {
-        touch.force_n.amplitude = 0.5;
-    }
-    run(&setup)
+    run(&roll(kc, 0.5, 0.5)?)
 }
 
 fn rate() -> Result<Answer, Failure> {
     let outcome = run(&changed("sphere-along", |_| {})?)?;
     let refresh = outcome.summary.taxels.refresh_hz;
     let hz = refresh.map_or(0.0, |r| r.median);
-    let frames = f64::from(outcome.summary.frames) / 10.0;
+    let frames = rate_hz(&outcome);
     Ok(Answer::new(
         Mark::of((95.0..=105.0).contains(&frames), || {
             "the boards have another rate".into()
@@ -237,11 +197,21 @@ fn fullest() -> Result<Answer, Failure> {
         .iter()
         .map(|(n, top, (most, y))| format!("{n} N: {top} at the top, {most} at most at {y:.1} mm"))
         .collect();
+    let mut risen = Vec::new();
+    for newtons in [0.1, 0.15, 0.2, 0.3, 0.5] {
+        let outcome = run(&roll(1, 0.01, newtons - 0.01)?)?;
+        risen.push((newtons, most(&outcome)));
+    }
+    let rising: Vec<String> = risen
+        .iter()
+        .map(|(n, (most, y))| format!("{n} N: {most} at most at {y:.1} mm"))
+        .collect();
     let same = count == 12 && y >= EDGE_MM - f64::from(PITCH_MM) / 2.0;
     Ok(Answer::new(
         Mark::of(same, || {
             format!(
-                "force, which the thesis does not print. At even forces: {}",
+                "force, which the thesis does not print. Rising from 0.01 N at the bottom to this at the top: {}. At even forces: {}",
+                rising.join("; "),
                 told.join("; ")
             )
         }),
@@ -249,14 +219,6 @@ fn fullest() -> Result<Answer, Failure> {
         json!({ "most": count, "at_mm": y, "sweep_n": sweep.iter().map(|s| s.0).collect::<Vec<_>>(),
             "sweep_at_top": sweep.iter().map(|s| s.1).collect::<Vec<_>>() }),
     ))
-}
-
-/// Median speed of a run, frames per second.
-pub(super) fn hertz(outcome: &Outcome) -> f64 {
-    outcome
-        .summary
-        .frame_us
-        .map_or(0.0, |time| 1e6 / time.median)
 }
 
 fn speed() -> Result<Answer, Failure> {
