@@ -50,7 +50,7 @@ pub fn reproduce(args: &ReproduceArgs) -> Result<(), Failure> {
     }
 }
 
-/// The rows of these names, or of these beginnings of names.
+/// The rows of these names. A name that is no row's stands for all rows that begin with it.
 fn chosen(names: &[String]) -> Result<Vec<&'static Row>, Failure> {
     for name in names {
         if !rows().any(|row| row.id.starts_with(name.as_str())) {
@@ -62,8 +62,11 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Row>, Failure> {
             )));
         }
     }
-    let wanted =
-        |row: &&Row| names.is_empty() || names.iter().any(|name| row.id.starts_with(name.as_str()));
+    let is = |name: &str, row: &Row| match rows().any(|row| row.id == name) {
+        true => row.id == name,
+        false => row.id.starts_with(name),
+    };
+    let wanted = |row: &&Row| names.is_empty() || names.iter().any(|name| is(name, row));
     Ok(rows().filter(wanted).collect())
 }
 

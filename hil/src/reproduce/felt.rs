@@ -19,7 +19,7 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         id: "fig-5.5-B",
         says: "Up to 12 of 16 taxels (75 %) are in contact at once.",
-        assumed: "The shipped scenes: 0.4 to 1 N, threshold of (4.3) and 10 counts. The skin's coupling is assumed.",
+        assumed: "The shipped scenes: 0.4 to 1 N, threshold of (4.3) and 10 counts. The emulated skin's spread was set to this number, so agreement says little.",
         compute: taxels,
     },
     Row {

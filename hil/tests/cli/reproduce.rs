@@ -4,6 +4,8 @@ use super::*;
 
 #[test]
 fn a_row_is_made_alone_and_counted() {
+    // A whole name is one row, whatever else begins so.
+    assert!(good(&["reproduce", "eq-4.1"]).contains("1 row:"));
     let text = good(&["reproduce", "eq-5.2"]);
     for words in ["eq-5.2  agrees", "alone: hil reproduce eq-5.2", "1 row:"] {
         assert!(text.contains(words), "{text}");
