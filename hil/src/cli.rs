@@ -12,6 +12,7 @@ mod import;
 mod meant;
 mod names;
 pub(crate) mod ranges;
+mod reproduce;
 mod serve;
 mod study;
 mod sweep;
@@ -41,6 +42,7 @@ pub use import::ImportArgs;
 pub use meant::meant;
 pub use names::{VARIABLE, complete};
 use palpate_files::{Gain, TimeColumn};
+pub use reproduce::ReproduceArgs;
 pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
@@ -215,6 +217,10 @@ pub enum Command {
     ///
     /// The table has tissue temperature and current beside the felt level.
     Design(DesignArgs),
+    /// Compute figures and claims of the thesis from this program.
+    ///
+    /// Each row says what the thesis says, what comes out here, and whether both agree.
+    Reproduce(ReproduceArgs),
     /// List scenes, benches, layouts, wires, laws: all there is.
     ///
     /// Built-in files come first, then those of this folder.

@@ -96,6 +96,7 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Some(Command::Calibrate(args)) => command::calibrate(&args),
         Some(Command::Compare(args)) => command::compare(&args, cli.color),
         Some(Command::Design(args)) => command::design(&args, cli.color),
+        Some(Command::Reproduce(args)) => command::reproduce(&args),
         Some(Command::Sweep(args)) => command::sweep(&args, cli.color),
         Some(Command::Test(args)) => command::test(&args, cli.color),
         Some(Command::Review(args)) => command::review(&args, cli.color),

@@ -47,6 +47,8 @@ mod recipes;
 mod recordings;
 #[path = "cli/records.rs"]
 mod records;
+#[path = "cli/reproduce.rs"]
+mod reproduce;
 #[path = "cli/review.rs"]
 mod review;
 #[path = "cli/run.rs"]

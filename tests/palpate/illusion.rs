@@ -247,6 +247,38 @@ fn degenerate_arrays_are_refused_by_name() {
     assert_eq!(twice, Err(DisplayError::Coincident(0, 2)));
 }
 
+/// s_x and s_y of (5.2) act along their own axis alone.
+#[test]
+fn the_phantom_law_has_a_shape_for_each_axis() {
+    let thimble = display(&THIMBLE).unwrap();
+    let at = |shape: ShapeChoice, place: Point| {
+        let settings = ModelSettings {
+            model: IllusionModel::Phantom,
+            shape,
+            ..ModelSettings::default()
+        };
+        let law = build(&thimble, &settings).unwrap();
+        let mut found = vec![0.0; thimble.wires().len()];
+        law.activate(place, &mut found);
+        found
+    };
+    let wire = thimble.wires()[0].place;
+    let (beside, above) = (
+        Point::new(wire.x + 2.0, wire.y),
+        Point::new(wire.x, wire.y + 2.0),
+    );
+    let both = ShapeChoice::Axes(1.0, 4.0);
+    assert_eq!(at(both, beside), at(ShapeChoice::Factor(1.0), beside));
+    assert_eq!(at(both, above), at(ShapeChoice::Factor(4.0), above));
+    assert_ne!(at(both, above), at(ShapeChoice::Factor(1.0), above));
+    let settings = ModelSettings {
+        model: IllusionModel::Balanced,
+        shape: both,
+        ..ModelSettings::default()
+    };
+    assert_eq!(build(&thimble, &settings).err(), Some(IllusionError::Shape));
+}
+
 #[test]
 fn settings_that_no_law_knows_are_refused() {
     let thimble = display(&THIMBLE).unwrap();

@@ -83,6 +83,8 @@ pub enum ShapeChoice {
     Model,
     /// A stated factor.
     Factor(f32),
+    /// The factors s_x and s_y of (5.2), for the phantom law along the axes alone.
+    Axes(f32, f32),
     /// The factor of (5.2) that makes midpoints flat, from the spacings.
     Flat,
 }
@@ -115,16 +117,22 @@ pub fn build(
         Distances::Space => display.surface(),
         Distances::Axes | Distances::Plane => Surface::Flat,
     };
+    if display.wires().len() < 2 && model != IllusionModel::Nearest {
+        return Err(IllusionError::OneWire);
+    }
     let shape = match settings.shape {
         ShapeChoice::Flat if model == IllusionModel::Phantom => None,
         ShapeChoice::Flat => return Err(IllusionError::Shape),
         ShapeChoice::Model => Some(model.shape().unwrap_or(1.0)),
         ShapeChoice::Factor(s) if model.shape().is_some() && s.is_finite() && s > 0.0 => Some(s),
-        ShapeChoice::Factor(_) => return Err(IllusionError::Shape),
+        ShapeChoice::Axes(x, y)
+            if model == IllusionModel::Phantom && distances == Distances::Axes =>
+        {
+            let law = LogPhantom::new(display, Shape { x, y })?;
+            return Ok(Box::new(law));
+        }
+        ShapeChoice::Factor(_) | ShapeChoice::Axes(..) => return Err(IllusionError::Shape),
     };
-    if display.wires().len() < 2 && model != IllusionModel::Nearest {
-        return Err(IllusionError::OneWire);
-    }
     let metric = || Metric::new(display, surface);
     let cells = || Cells::new(display).ok_or(IllusionError::OneWire);
     let share = |exponent: f32, level: bool| -> Result<Box<dyn Illusion>, IllusionError> {

@@ -10,7 +10,7 @@
 //!   felt: the panel does not rate it, as in the thesis.
 //! - A display's roughness and friction colour each other.
 //! - Each person has a bias of their own in each dimension and a slip from trial to trial: small within a person, large
-//!   between them and largest for friction, as the thesis reports.
+//!   between them. The bias is largest for friction, after the thesis; ratings end at 1 and 6, so their spread need not be.
 
 use palpate_core::random::RandomStream;
 use palpate_core::statistics::mean;

@@ -19,6 +19,8 @@ settings! {
         /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
         /// the gap. Left out: the model's own (1, 0.65, 0.6).
         pub shape: Option<f64>,
+        /// s_y of (5.2), where it is another than `shape`, which is then s_x; `phantom` over the distances `axes` alone.
+        pub shape_y: Option<f64>,
         /// True for `phantom` with the shape that makes midpoints flat, found from the spacings.
         pub flat: bool = false,
         /// Distances; left out: `axes` for `phantom`, else `plane`.
@@ -83,7 +85,10 @@ impl Illusion {
     }
 
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
-        bounds!(source, "illusion", self; shape: 0.01..=100.0)?;
+        bounds!(source, "illusion", self; shape: 0.01..=100.0; shape_y: 0.01..=100.0)?;
+        if self.shape_y.is_some() && self.shape.is_none() {
+            return Err(source.bad("illusion.shape_y", "illusion.shape beside it, for s_x"));
+        }
         if self.shape.is_some() && self.flat {
             return Err(source.bad("illusion.flat", "a shape or a flat midpoint, not both"));
         }

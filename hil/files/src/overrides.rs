@@ -57,6 +57,7 @@ impl Overrides {
             // The file stated those keys for its own model.
             let keys = [
                 "illusion.shape",
+                "illusion.shape_y",
                 "illusion.distances",
                 "illusion.flat",
                 "illusion.level_db",

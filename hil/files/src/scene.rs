@@ -143,6 +143,8 @@ settings! {
         pub scope: Scope = Scope::Module,
         /// Most iterations of K-means per frame.
         pub iterations: u32 = 32,
+        /// zeta_C of (4.8), mm: half the summed moves of the centroids at which K-means ends.
+        pub stop_mm: f64 = 0.001,
     }
 }
 
@@ -225,7 +227,8 @@ impl Scene {
             kc_touches: 1..=1024;
             ki: 1..=256;
             weight_exponent: 0.0..=16.0;
-            iterations: 1..=1000)?;
+            iterations: 1..=1000;
+            stop_mm: 0.0..=100.0, "mm")?;
         scene.illusion.check(source)?;
         scene.check_map(source)?;
         if let Some(stream) = &scene.stream {

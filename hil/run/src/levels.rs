@@ -69,6 +69,13 @@ impl Intensities {
         }
         LevelTable::from_intensities(&self.drawn, k).ok()
     }
+
+    /// Levels by just noticeable differences, from the weakest intensity up; `None` where nothing was touched.
+    #[must_use]
+    pub fn noticeable(&self, weber: f32) -> Option<LevelTable> {
+        let (least, most) = self.ends?;
+        LevelTable::weber(least, most, weber).ok()
+    }
 }
 
 #[cfg(test)]

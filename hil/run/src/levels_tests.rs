@@ -2,6 +2,17 @@
 
 use super::*;
 
+/// Levels by just noticeable differences go from the weakest intensity to the strongest.
+#[test]
+fn noticeable_levels_span_what_was_touched() {
+    let mut found = Intensities::default();
+    assert_eq!(found.noticeable(0.2), None);
+    [200.0, 20.0, 60.0].into_iter().for_each(|v| found.add(v));
+    let table = found.noticeable(0.2).unwrap();
+    assert_eq!(table.values().len(), 13);
+    assert_eq!(table.level(20.0), 1);
+}
+
 #[test]
 fn few_of_many_intensities_keep_the_ends_and_the_shape() {
     let mut many = Intensities::default();

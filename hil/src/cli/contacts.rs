@@ -36,6 +36,10 @@ pub struct ContactsArgs {
     /// Static intensity levels K_I, found over the whole recording.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
+    /// Levels by just noticeable differences, each this fraction above the one below, from the weakest intensity up
+    /// (default: --ki levels).
+    #[arg(long, value_name = "FRACTION", conflicts_with = "ki", value_parser = |t: &str| within(t, (0.001, 10.0), ""), allow_hyphen_values = true)]
+    pub weber: Option<f64>,
     /// Number of contact-free rows at the start that make the reference.
     #[arg(long, value_name = "N", default_value_t = palpate_files::REFERENCE_ROWS, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
@@ -53,6 +57,9 @@ pub struct ContactsArgs {
     /// Apply K_C and K_I to each module, or to the whole skin.
     #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
     pub scope: Scope,
+    /// Half the summed moves of the centroids at which K-means ends: zeta_C of (4.8), mm.
+    #[arg(long, value_name = "MM", default_value = "0.001", value_parser = |t: &str| within(t, (0.0, 100.0), " mm"), allow_hyphen_values = true)]
+    pub stop_mm: f64,
     /// Exponent p of the weights ||s||^p.
     #[arg(long, value_name = "P", default_value = "1", value_parser = |t: &str| within(t, (0.0, 16.0), ""), allow_hyphen_values = true)]
     pub weight_exponent: f64,

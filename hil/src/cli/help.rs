@@ -9,7 +9,10 @@ use super::Cli;
 /// Commands by purpose. One that no group names stands in the last.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "serve", "sweep", "design", "calibrate"]),
-    ("Compare", &["diff", "compare", "test", "review"]),
+    (
+        "Compare",
+        &["diff", "compare", "reproduce", "test", "review"],
+    ),
     ("Files of your own", &["list", "new", "check", "export"]),
     (
         "Recordings",

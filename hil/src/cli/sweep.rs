@@ -103,6 +103,7 @@ impl Command {
             Self::Run(args) => args.voice.quiet || args.watch,
             Self::Sweep(args) => args.voice.quiet,
             Self::Design(args) => args.voice.quiet,
+            Self::Reproduce(args) => args.voice.quiet,
             Self::Compare(args) => args.voice.quiet,
             Self::Test(args) => args.voice.quiet,
             Self::Record(args) => args.voice.quiet,

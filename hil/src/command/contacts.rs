@@ -71,7 +71,10 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         notes.iter().for_each(|text| note(text));
     }
     // No table without a contact, and then no row asks for a level.
-    let levels = intensities.table(usize::from(args.ki));
+    let levels = match args.weber {
+        Some(fraction) => intensities.noticeable(fraction as f32),
+        None => intensities.table(usize::from(args.ki)),
+    };
     let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
     if count > HELD && is_stream(&recording.file) {
         return Err(Failure::Input(format!(
@@ -243,6 +246,7 @@ impl<'a> Recording<'a> {
                     norm: args.norm,
                     scope: args.scope,
                     seed: args.seed,
+                    tolerance: args.stop_mm as f32,
                     ..Settings::default()
                 },
                 skips_repeats: args.replay_stale == StaleArg::Skip,

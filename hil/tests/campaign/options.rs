@@ -58,6 +58,8 @@ const COMMANDS: [(&[&str], Options); 26] = [
             ("--drift-s", Takes::Number),
             ("--faulty-deviations", Takes::Number),
             ("--weight-exponent", Takes::Number),
+            ("--stop-mm", Takes::Number),
+            ("--weber", Takes::Number),
             ("--rate", Takes::Number),
             ("--seed", Takes::Number),
             ("--scope", Takes::Word),

@@ -69,6 +69,27 @@ fn column(rows: &[[f64; 9]], index: usize) -> BTreeSet<u64> {
     rows.iter().map(|r| r[index] as u64).collect()
 }
 
+/// Levels by just noticeable differences are as many as fit between the weakest and the strongest contact.
+#[test]
+fn noticeable_levels_replace_k_i() {
+    let folder = Folder::new("weber");
+    let file = recording(&folder, 200);
+    let found = contacts(&file, &["--weber", "0.1"]);
+    let intensities = found.iter().map(|row| row[6]);
+    let (least, most) =
+        intensities.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
+    let steps = ((most / least).ln() / 1.1_f64.ln()).floor() as u64 + 1;
+    let highest = column(&found, 7).last().copied().unwrap();
+    assert!(
+        (steps - 1..=steps).contains(&highest),
+        "{highest} of {steps}"
+    );
+    refused(&["contacts", &file, "--weber", "0.1", "--ki", "4"]);
+    // A stop so far away ends K-means after its first update.
+    let early = contacts(&file, &["--kc", "4", "--stop-mm", "100"]);
+    assert_ne!(early, contacts(&file, &["--kc", "4"]));
+}
+
 #[test]
 fn columns_count_as_the_contract_says() {
     let folder = Folder::new("columns");

@@ -3,28 +3,8 @@
 use palpate_core::illusion::Display;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Board, Channel};
-use palpate_files::{LayoutFile, Scene, Setup, load_bench, load_layout, load_scene};
-use palpate_live::host;
-use palpate_live::views::Wanted;
-use palpate_run::{Failure, Input, Keep, Outcome, plan};
-
-/// A scene on the emulated bench, changed.
-///
-/// # Errors
-/// A scene that does not fit the bench.
-pub fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Failure> {
-    let mut scene = load_scene(name)?;
-    change(&mut scene.value);
-    Ok(Setup::join(scene, load_bench("emulated")?)?)
-}
-
-/// A run with every frame timed.
-///
-/// # Errors
-/// The errors of [`host::run`].
-pub fn run(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
-    host::run(setup, input, 1, Keep::default(), Wanted::default())
-}
+use palpate_files::{LayoutFile, load_layout};
+use palpate_run::{Failure, Outcome, plan};
 
 /// Median time of a frame, microseconds.
 pub fn frame_us(outcome: &Outcome) -> f64 {

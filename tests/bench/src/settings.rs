@@ -2,11 +2,12 @@
 
 use palpate_core::contact::Norm;
 use palpate_files::Scene;
+use palpate_hil::reproduce::setups::{changed, run};
 use palpate_run::{Failure, Input};
 
 use crate::findings::Findings;
 use crate::plot::{Axis, Mark, Plot, Series};
-use crate::scenes::{changed, frame_us, run};
+use crate::scenes::frame_us;
 
 /// The shipped paths of the sphere; settings are tried on the first.
 pub const PATHS: [&str; 4] = [

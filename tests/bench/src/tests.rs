@@ -108,7 +108,9 @@ fn built_from(peers: &[&str]) -> BTreeSet<String> {
 fn every_setting_that_the_loop_is_measured_with_can_be_run() {
     for sweep in &settings::SWEEPS {
         for &value in sweep.values {
-            let setup = scenes::changed(settings::PATHS[0], |s| (sweep.change)(s, value));
+            let setup = palpate_hil::reproduce::setups::changed(settings::PATHS[0], |s| {
+                (sweep.change)(s, value)
+            });
             assert!(setup.is_ok(), "{} {value}: {:?}", sweep.name, setup.err());
         }
     }

@@ -25,7 +25,10 @@ fn settings(illusion: &palpate_files::Illusion) -> ModelSettings {
         model: illusion.model,
         shape: match illusion.shape {
             _ if illusion.flat => ShapeChoice::Flat,
-            Some(shape) => ShapeChoice::Factor(shape as f32),
+            Some(x) => match illusion.shape_y {
+                Some(y) => ShapeChoice::Axes(x as f32, y as f32),
+                None => ShapeChoice::Factor(x as f32),
+            },
             None => ShapeChoice::Model,
         },
         distances: illusion.distances,

@@ -401,7 +401,7 @@ pub fn untextured(
                 levels,
                 seed,
                 max_iterations: scene.compression.iterations,
-                ..Settings::default()
+                tolerance: scene.compression.stop_mm as f32,
             },
             health: HealthSettings::default(),
         },

@@ -1,13 +1,10 @@
 //! The thesis's figures 4.5 to 4.7, from emulated scenes and from a recording: where contacts are found for K_C of 1 to
 //! 16, and how fast, beside the sensor's rate.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use palpate_files::{
-    DRIFT_S, Force, Path as TouchPath, PathKind, Scene, Setup, THRESHOLD_FLOOR, ThresholdFrom,
-    Timing, Touch,
-};
+use palpate_files::{DRIFT_S, Setup, THRESHOLD_FLOOR, ThresholdFrom, Timing};
+use palpate_hil::reproduce::setups::{CLUSTERS, THINGS, changed, grasp, grip, roll, run, span};
 use palpate_live::recording::{Reading, recorded};
 use palpate_records::trace::{Event, event};
 use palpate_run::{Failure, Input, Outcome};
@@ -15,31 +12,16 @@ use palpate_run::{Failure, Input, Outcome};
 use super::panels;
 use crate::findings::Findings;
 use crate::plot::{Axis, Mark, Plot, Series};
-use crate::scenes::{changed, frame_us, run, skin};
+use crate::scenes::{frame_us, skin};
 
-const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
+/// Things that figure 4.7 shows: the first.
+const SHOWN: usize = 4;
 /// Scans per second of an emulated board.
 const SENSOR_HZ: f64 = 100.0;
+/// Scans per second of a hand whose 15 boards wait for one another on one bus, as in the thesis, about.
+const HAND_HZ: f64 = 30.0;
 /// Rows per second of the recordings, about.
 const RECORDED_HZ: f64 = 40.0;
-
-/// Things of the thesis's kinds, of the YCB set's sizes and weights: name, diameter where a finger meets it, mm (a flat
-/// face as a very large one), and weight, kg. The pack of foam is taken to be two of its bricks.
-const OBJECTS: [(&str, f64, f64); 4] = [
-    ("football", 140.0, 0.123),
-    ("baseball", 75.0, 0.148),
-    ("pack of foam", 1000.0, 0.056),
-    ("foam block", 1000.0, 0.028),
-];
-/// Friction of a thing in the hand, assumed.
-const FRICTION: f64 = 0.5;
-/// The hand holds a thing this many times as hard as its weight asks, assumed.
-const RESERVE: f64 = 2.0;
-
-/// Force of every module on a thing of so many kg that all of them hold, N.
-fn grip(weight_kg: f64, modules: usize) -> f64 {
-    RESERVE * weight_kg * 9.81 / (FRICTION * modules as f64)
-}
 
 /// All figures.
 ///
@@ -139,14 +121,13 @@ fn sphere(findings: &mut Findings) -> Result<(), Failure> {
     let mut sweep = Sweep::default();
     let case = "figure 4.5 sphere";
     for kc in CLUSTERS {
-        let setup = changed("sphere-circle", |scene| scene.compression.kc = kc)?;
+        let setup = roll(kc, 0.5, 0.5)?;
         sweep.add((findings, case), kc, run(&setup, &Input::Scene)?, &ALL);
     }
     let title = "Figure 4.5: sphere on 4x4";
-    let words =
-        "Contacts of all frames while a sphere of 19.45 mm rolls in a circle over the module.";
+    let words = "Contacts of all frames while a sphere of 19.45 mm rolls over the module from bottom to top.";
     map(findings, "figure-4-5", title, words, sweep.places);
-    let setup = changed("sphere-circle", |_| {})?;
+    let setup = roll(1, 0.5, 0.5)?;
     one_module(
         findings,
         "",
@@ -160,35 +141,6 @@ fn sphere(findings: &mut Findings) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A grasp: every module of a hand is pressed by the same thing, each a little elsewhere.
-fn grasp(scene: &mut Scene, modules: usize, diameter_mm: f64, force: f64) {
-    scene.length_s = 3.0;
-    let touch = |module: usize| {
-        let turn = 2.4 * module as f64;
-        Touch {
-            module,
-            diameter_mm,
-            start_s: 0.8,
-            end_s: 2.9,
-            ramp_s: 0.2,
-            path: TouchPath {
-                kind: PathKind::Circle,
-                points_mm: Vec::new(),
-                centre_mm: Some([2.0 * libm::cos(turn), 2.0 * libm::sin(turn)]),
-                radius_mm: Some(1.5),
-                period_s: Some(2.0),
-                samples: Vec::new(),
-            },
-            force_n: Force {
-                mean: force * (0.8 + 0.4 * (module % 4) as f64 / 3.0),
-                amplitude: 0.1 * force,
-                period_s: 1.1,
-            },
-        }
-    };
-    scene.touches = (0..modules).map(touch).collect();
-}
-
 /// Figure 4.7: a hand that grasps four things of different size and hardness.
 fn hand(findings: &mut Findings) -> Result<(), Failure> {
     let layout = skin("allegro")?;
@@ -197,22 +149,22 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
     // One frame in the middle of the grasp.
     let seen = Seen {
         origins: &origins,
-        span: 1_800_000..1_810_000,
+        span: 3_200_000..3_233_000,
     };
     let mut fast = Vec::new();
-    for (object, diameter, weight) in OBJECTS {
-        let force = grip(weight, origins.len());
+    for &(object, diameter, weight) in &THINGS[..SHOWN] {
+        let force = grip(weight);
         let mut sweep = Sweep::default();
         let case = format!("figure 4.7 {object}");
         for kc in CLUSTERS {
-            let setup = changed("allegro-four-buses", |scene| {
+            let setup = changed("allegro-one-bus", |scene| {
                 scene.compression.kc = kc;
-                grasp(scene, origins.len(), diameter, force);
+                grasp(scene, diameter, force);
             })?;
             sweep.add((findings, &case), kc, run(&setup, &Input::Scene)?, &seen);
         }
-        let setup = changed("allegro-four-buses", |scene| {
-            grasp(scene, origins.len(), diameter, force);
+        let setup = changed("allegro-one-bus", |scene| {
+            grasp(scene, diameter, force);
         })?;
         let outcome = panels::kept(&setup, &Input::Scene)?;
         let named = |panel: &str| format!("figure-4-7-{}-{panel}", object.replace(' ', "-"));
@@ -220,7 +172,7 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
         panels::histogram(findings, &named("histogram"), &title, &outcome);
         let title = format!("Figure 4.7, bottom: {object}");
         panels::course(findings, &named("course"), &title, &sweep.runs);
-        if let Some((least, most)) = sweep.runs.last().and_then(|(_, last)| held(last)) {
+        if let Some((least, most)) = sweep.runs.last().map(|(_, last)| span(last)) {
             findings.words.push(format!(
                 "figure 4.7, {object}: {least} to {most} taxels in contact while it is held (thesis: 75 to 125)"
             ));
@@ -233,22 +185,8 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
         fast.push(Series::new(object, Mark::Swept, sweep.speeds));
     }
     let title = "Figure 4.7: speed on the hand";
-    speeds(findings, "figure-4-7-speed", title, SENSOR_HZ, fast);
+    speeds(findings, "figure-4-7-speed", title, HAND_HZ, fast);
     Ok(())
-}
-
-/// Fewest and most taxels in contact in a frame while a thing is held.
-fn held(outcome: &Outcome) -> Option<(u32, u32)> {
-    let mut frames = BTreeMap::new();
-    for event in &outcome.trace.events {
-        if let Event::Contact(event::Contact { t_us, members, .. }) = event
-            && (1_200_000..2_600_000).contains(t_us)
-        {
-            *frames.entry(*t_us).or_insert(0) += *members;
-        }
-    }
-    let counts = || frames.values().copied();
-    counts().min().zip(counts().max())
 }
 
 /// The first trial of the grasp recordings, where they are at hand.

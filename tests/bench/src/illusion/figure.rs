@@ -3,6 +3,7 @@
 
 use palpate_core::illusion::IllusionModel;
 use palpate_files::{Overrides, Setup};
+use palpate_hil::reproduce::setups::run;
 use palpate_records::report::svg::Svg;
 use palpate_records::trace::{Event, PlaceUm, Trace, event};
 use palpate_run::{Failure, Input, Outcome};
@@ -11,7 +12,6 @@ use palpate_tests::felt::PATHS;
 use super::laws::{BENCH, SCORING, play};
 use crate::findings::Figure;
 use crate::plot::{Area, Axis, Mark, Plot, Series};
-use crate::scenes::run;
 
 const COLUMN: f64 = 280.0;
 const ROW: f64 = 290.0;

@@ -104,7 +104,7 @@ pub fn measure() -> Result<Findings, Failure> {
     trade_off(&mut found, person, drive)?;
     found.words.push(format!(
         "default is {}. Here every law has as many pulses on each wire, without guard and heat: `laws` has both. \
-         Errors are of the place, felt or not, over the four sphere paths at the published drive (1.97 A, no intensity), \
+         Errors are of the place, felt or not, over the four sphere paths at the thesis's drive (180 mW, from which 1.97 A follows; no intensity), \
          contacts inside the array. A cost is that of one contact at an onset.",
         IllusionModel::default().name(),
     ));

@@ -1,0 +1,305 @@
+//! Rows of figure 5.5: four paths of a sphere, their contacts, and what the typical person feels of them on each
+//! hypothesis of the wire.
+
+use palpate_files::{Overrides, Setup};
+use palpate_records::trace::{Event, event};
+use palpate_run::{Failure, Input, Outcome, run};
+use serde_json::{Value, json};
+
+use super::row::{Answer, Mark, Row};
+use super::setups;
+
+pub(super) const ROWS: &[Row] = &[
+    Row {
+        id: "fig-5.5-A",
+        says: "One contact follows the sphere accurately and smoothly on four paths.",
+        assumed: "The shipped scenes of four paths; accurate is within a tenth of the pitch, 0.47 mm RMSE.",
+        compute: contacts,
+    },
+    Row {
+        id: "fig-5.5-B",
+        says: "Up to 12 of 16 taxels (75 %) are in contact at once.",
+        assumed: "The shipped scenes: 0.4 to 1 N, threshold of (4.3) and 10 counts. The emulated skin's spread was set to this number, so agreement says little.",
+        compute: taxels,
+    },
+    Row {
+        id: "fig-5.5-B-speed",
+        says: "Compression with K_C = 1 is well above the sensor's 100 Hz.",
+        assumed: "This machine, one core: the whole loop.",
+        compute: speed,
+    },
+    Row {
+        id: "fig-5.5-C-taut",
+        says: "Both users felt and drew all four paths, mostly where they were.",
+        assumed: "Wires at the vendor's tension, cold; (5.2) at the published current and timing.",
+        compute: || feels(&Hypothesis::new("thesis", "taut", false)),
+    },
+    Row {
+        id: "fig-5.5-C-cold",
+        says: "Both users felt and drew all four paths, mostly where they were.",
+        assumed: "The final module's wires, cold; (5.2) at the published current and timing.",
+        compute: || feels(&Hypothesis::new("thesis", "final-75um", false)),
+    },
+    Row {
+        id: "fig-5.5-C-passed",
+        says: "Both users felt and drew all four paths, mostly where they were.",
+        assumed: "The final module's wires after a hot pass; (5.2) at the published current and timing.",
+        compute: || feels(&Hypothesis::new("thesis", "final-75um", true)),
+    },
+    Row {
+        id: "fig-5.5-C-ours",
+        says: "Both users felt and drew all four paths, mostly where they were.",
+        assumed: "The default bench's thin wires after a hot pass; (5.2) at 1.2 A and the published timing.",
+        compute: || feels(&Hypothesis::new("emulated", "loose-50um", true)),
+    },
+    Row {
+        id: "fig-5.5-C-default",
+        says: "Both users felt and drew all four paths, mostly where they were.",
+        assumed: "The default bench and the default law, `inverse`, in place of the thesis's.",
+        compute: inverse,
+    },
+    Row {
+        id: "claim-5.5-breaks",
+        says: "Breaks lie around the centre between wires, and at wires.",
+        assumed: "Thin wires of the default bench, (5.2), guard only observing. Near is a quarter of the gap of 9.5 mm.",
+        compute: breaks,
+    },
+];
+
+/// The scenes of the figure's four paths.
+const PATHS: [&str; 4] = [
+    "sphere-along",
+    "sphere-across",
+    "sphere-diagonal",
+    "sphere-circle",
+];
+
+/// A make and state of wires on a bench.
+struct Hypothesis {
+    bench: &'static str,
+    wire: &'static str,
+    passed: bool,
+}
+
+impl Hypothesis {
+    const fn new(bench: &'static str, wire: &'static str, passed: bool) -> Self {
+        Self {
+            bench,
+            wire,
+            passed,
+        }
+    }
+
+    /// A path by (5.2) with the published timing.
+    fn setup(&self, scene: &str) -> Result<Setup, Failure> {
+        let mut overrides = Overrides::default();
+        let by = "hil reproduce";
+        overrides.scene(by, "illusion.model", "phantom");
+        overrides.scene(by, "illusion.tau_d_ms", 35.0);
+        overrides.bench(by, "wire.kind", self.wire);
+        overrides.bench(by, "drive.soa_ms", 58.5);
+        overrides.bench(by, "drive.hot_pass", self.passed);
+        Ok(Setup::load(scene, self.bench)?.with(&overrides)?)
+    }
+}
+
+/// Onsets of a run, those that are felt, and their median level, dB.
+fn of(outcome: &Outcome) -> (u64, u64, f64) {
+    let onsets = &outcome.summary.onsets;
+    let level = outcome
+        .summary
+        .felt
+        .level_db
+        .map_or(f64::NEG_INFINITY, |l| l.median);
+    (onsets.meant, onsets.felt.unwrap_or(0), level)
+}
+
+/// Felt shares and levels of four setups.
+fn all(
+    setups: impl Iterator<Item = Result<Setup, Failure>>,
+) -> Result<Vec<(u64, u64, f64)>, Failure> {
+    setups
+        .map(|setup| Ok(of(&run(&setup?, &Input::Scene, 1)?)))
+        .collect()
+}
+
+/// Shares felt and median levels in words, path by path.
+fn told(found: &[(u64, u64, f64)]) -> String {
+    let each = found.iter().map(|(meant, felt, level)| {
+        let share = 100.0 * *felt as f64 / (*meant).max(1) as f64;
+        format!("{share:.0} % ({level:+.1} dB)")
+    });
+    each.collect::<Vec<_>>().join(", ")
+}
+
+fn values(found: &[(u64, u64, f64)]) -> Value {
+    let each = found
+        .iter()
+        .map(|(meant, felt, level)| json!({ "onsets": meant, "felt": felt, "level_db": level }));
+    each.collect()
+}
+
+/// What the thesis needs of a wire: decibels that the weakest path's median onset is short of the threshold.
+fn missing(found: &[(u64, u64, f64)]) -> f64 {
+    found.iter().map(|(_, _, level)| -level).fold(0.0, f64::max)
+}
+
+fn answer(guarded: &[(u64, u64, f64)], free: &[(u64, u64, f64)]) -> Answer {
+    let short = missing(free);
+    let needs = match short > 0.0 {
+        true => format!(
+            "For the thesis to be right such wires must be felt {short:.1} dB more strongly on the weakest path."
+        ),
+        false => "Half of the onsets of every path are felt.".to_owned(),
+    };
+    Answer::new(
+        Mark::Unknown(
+            "people felt them; the wire's stroke, its state and the skin under it are not measured"
+                .into(),
+        ),
+        format!(
+            "Along, across, diagonal, circle: the typical person feels {} of the onsets with the guard, {} without. {needs}",
+            told(guarded),
+            told(free)
+        ),
+        json!({ "paths": PATHS, "guarded": values(guarded), "observed": values(free), "missing_db": short }),
+    )
+}
+
+fn feels(hypothesis: &Hypothesis) -> Result<Answer, Failure> {
+    let guarded = all(PATHS.iter().map(|scene| hypothesis.setup(scene)))?;
+    let free = all(PATHS
+        .iter()
+        .map(|scene| Ok(hypothesis.setup(scene)?.observed()?)))?;
+    Ok(answer(&guarded, &free))
+}
+
+fn inverse() -> Result<Answer, Failure> {
+    let setup = |scene: &&str| Setup::load(scene, "emulated").map_err(Failure::from);
+    let guarded = all(PATHS.iter().map(setup))?;
+    let free = all(PATHS.iter().map(|scene| Ok(setup(scene)?.observed()?)))?;
+    Ok(answer(&guarded, &free))
+}
+
+/// The four runs on the default bench with the default law.
+fn runs() -> Result<Vec<Outcome>, Failure> {
+    PATHS
+        .iter()
+        .map(|scene| setups::played(&Setup::load(scene, "emulated")?))
+        .collect()
+}
+
+fn contacts() -> Result<Answer, Failure> {
+    let mut found = Vec::new();
+    for outcome in runs()? {
+        found.push(
+            outcome
+                .summary
+                .path_error_mm
+                .map_or(f64::INFINITY, |e| e.rmse),
+        );
+    }
+    let words: Vec<String> = found.iter().map(|mm| format!("{mm:.2}")).collect();
+    let most = found.iter().copied().fold(0.0, f64::max);
+    Ok(Answer::new(
+        Mark::of(most <= 0.47, || {
+            format!(
+                "paths that keep to the edge are the worst: {} mm",
+                words.join(", ")
+            )
+        }),
+        format!(
+            "{} mm RMSE along, across, diagonal, in a circle.",
+            words.join(", ")
+        ),
+        json!({ "paths": PATHS, "rmse_mm": found }),
+    ))
+}
+
+fn taxels() -> Result<Answer, Failure> {
+    let count = |outcome: &Outcome| {
+        let each = outcome.trace.events.iter().filter_map(|event| match event {
+            Event::Frame(frame) => Some(frame.in_contact),
+            _ => None,
+        });
+        each.max().unwrap_or(0)
+    };
+    let found: Vec<u16> = runs()?.iter().map(count).collect();
+    let mut sweep = Vec::new();
+    for margin in [0.0, 5.0, 10.0, 20.0, 30.0] {
+        let setup = setups::changed("sphere-along", |scene| scene.threshold_margin = margin)?;
+        sweep.push((margin, count(&setups::played(&setup)?)));
+    }
+    let told: Vec<String> = sweep
+        .iter()
+        .map(|(m, n)| format!("{m} counts: {n}"))
+        .collect();
+    let most = found.iter().copied().max().unwrap_or(0);
+    Ok(Answer::new(
+        Mark::of(most == 12, || {
+            format!("the margin over (4.3), along: {}", told.join(", "))
+        }),
+        format!("At most {found:?} taxels along, across, diagonal, in a circle."),
+        json!({ "paths": PATHS, "most": found, "margins": sweep.iter().map(|s| s.0).collect::<Vec<_>>(),
+            "sweep": sweep.iter().map(|s| s.1).collect::<Vec<_>>() }),
+    ))
+}
+
+fn speed() -> Result<Answer, Failure> {
+    let slow = runs()?
+        .iter()
+        .filter(|run| setups::hertz(run) < 1000.0)
+        .count();
+    Ok(Answer::new(
+        match slow {
+            0 => Mark::Agrees,
+            _ => Mark::Unexplained,
+        },
+        format!(
+            "{} of four paths are faster than ten times that rate.",
+            4 - slow
+        ),
+        json!({ "slow_paths": slow }),
+    ))
+}
+
+/// Distance from a wire that counts as near it, mm.
+const NEAR_MM: f64 = 9.5 / 4.0;
+
+fn breaks() -> Result<Answer, Failure> {
+    let hypothesis = Hypothesis::new("emulated", "loose-50um", true);
+    // Onsets and those that are not felt, near a wire and between wires.
+    let mut counts = [[0_u32; 2]; 2];
+    for scene in PATHS {
+        let outcome = run(&hypothesis.setup(scene)?.observed()?, &Input::Scene, 1)?;
+        let wires = &outcome.trace.header.wires;
+        for event in &outcome.trace.events {
+            let Event::Felt(event::Felt {
+                target,
+                inside: true,
+                met,
+                ..
+            }) = event
+            else {
+                continue;
+            };
+            let near = wires.iter().any(|wire| {
+                let (dx, dy) = (wire.place.x - target.x, wire.place.y - target.y);
+                f64::from(dx).hypot(f64::from(dy)) * 1e-3 <= NEAR_MM
+            });
+            let [onsets, unfelt] = &mut counts[usize::from(!near)];
+            *onsets += 1;
+            *unfelt += u32::from(!met.is_some_and(|met| met.is_felt()));
+        }
+    }
+    let share = |[onsets, unfelt]: [u32; 2]| 100.0 * f64::from(unfelt) / f64::from(onsets.max(1));
+    let [near, between] = counts.map(share);
+    Ok(Answer::new(
+        Mark::of(between > near, || "breaks are as many near a wire".into()),
+        format!(
+            "{between:.0} % of {} onsets between wires are not felt, {near:.0} % of {} near a wire.",
+            counts[1][0], counts[0][0]
+        ),
+        json!({ "near": counts[0], "between": counts[1] }),
+    ))
+}
