@@ -106,7 +106,8 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_evidence, load_layout,
-    load_person, load_priors, load_protocol, load_recipe, load_scene, load_textures, load_wire,
+    load_person, load_priors, load_protocol, load_recipe, load_scene, load_skin, load_textures,
+    load_wire,
 };
 pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};

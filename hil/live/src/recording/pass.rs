@@ -177,7 +177,9 @@ impl<R: Read> Mcap<R> {
         self.count += 1;
         let us = frame.at.as_micros();
         let place = format_args!("{}: frame {}", self.label, self.count).to_string();
-        let time = self.times.frame(&place, us).map_err(|e| {
+        let bus = usize::from(frame.bus);
+        let time = (self.times).frame_of(&place, (bus, format_args!("bus {bus}")), us);
+        let time = time.map_err(|e| {
             let found = e.found.unwrap_or_else(|| format!("{us} us"));
             FileError::whole(
                 &self.label,
