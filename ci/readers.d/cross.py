@@ -3,7 +3,8 @@
     cross.py HIL COUNT
 
 COUNT files of each format with what their writers leave open drawn by chance: pandas (separators, decimal commas, quotes, times,
-the order of columns), NumPy (types, orders, savetxt), mcap (JSON, several topics), python-can (candump logs).
+the order of columns), NumPy (types, orders, savetxt), mcap (JSON, several topics, packed chunks), python-can (candump logs), pyvcd
+(a capture of pins, whose verdict against the schedule is that of our own dump).
 """
 
 import json
@@ -17,6 +18,8 @@ import can
 import numpy
 import pandas
 from mcap.writer import CompressionType, Writer
+from vcd import VCDWriter
+from vcdvcd import VCDVCD
 
 HIL, COUNT = sys.argv[1], int(sys.argv[2])
 ROWS, RATE = 60, 100
@@ -90,7 +93,7 @@ def by_numpy(counts, folder, draw):
 def by_mcap(counts, folder, draw):
     path = folder / "skin.mcap"
     with path.open("wb") as file:
-        writer = Writer(file, compression=CompressionType.NONE, use_chunking=draw.random() < 0.5)
+        writer = Writer(file, compression=draw.choice(list(CompressionType)), use_chunking=draw.random() < 0.7)
         writer.start()
         schema = writer.register_schema(name="skin", encoding="jsonschema", data=b"{}")
         topics = {name: writer.register_channel(topic=name, message_encoding="json", schema_id=schema) for name in ("/wide", "/skin")}
@@ -121,6 +124,33 @@ def by_python_can(log, folder, draw):
     return replayed(path)
 
 
+def verdict(folder, capture):
+    """What `hil diff` says of a capture beside the schedule of its run, without the capture's name."""
+    said = subprocess.run([HIL, "diff", str(folder / "run.jsonl"), str(capture)], capture_output=True, text=True)
+    if said.returncode not in (0, 1):
+        sys.exit(f"{capture}: {said.stderr}")
+    return said.stdout.replace(str(capture), "CAPTURE")
+
+
+def by_pyvcd(own, folder, draw):
+    """The pins of our dump, as vcdvcd reads them, written again: other types, scopes, identifiers, order and time scale."""
+    path = folder / "again.vcd"
+    kind, scale, first = draw.choice(["wire", "reg", "logic", "bit"]), draw.choice(["1 ns", "100 ps", "10 ps"]), draw.choice([0, 1])
+    steps = {"1 ns": 1, "100 ps": 10, "10 ps": 100}[scale]
+    names = [name for name in own.signals if own[name].size == "1"]
+    draw.shuffle(names)
+    with path.open("w") as file, VCDWriter(file, timescale=scale, date="today", comment=draw.choice(["", "by pyvcd"])) as writer:
+        changes, pins = [], {}
+        for name in names:
+            scope, _, pin = name.rpartition(".")
+            pins[name] = writer.register_var(scope, pin, kind, size=1, init=own[name].tv[0][1])
+            changes += [(time, name, value) for time, value in own[name].tv[first:]]
+        for time, name, value in sorted(changes, key=lambda change: change[0]):
+            writer.change(pins[name], steps * time, value)
+        writer.close(steps * own.endtime)
+    return verdict(folder, path)
+
+
 def main():
     counts = touch()
     with tempfile.TemporaryDirectory() as name:
@@ -140,6 +170,12 @@ def main():
             if by_python_can(log, folder, random.Random(seed)) != expected:
                 sys.exit(f"python-can, seed {seed}: another run than of the log itself")
         print(f"  python-can: {max(1, COUNT // 10)} logs, the same run of all")
+        subprocess.run([HIL, "run", "sphere-along", "--quiet", "--record", str(folder / "run.jsonl"), "--record", str(folder / "run.vcd")], check=True)
+        own, expected = VCDVCD(str(folder / "run.vcd"), store_tvs=True), verdict(folder, folder / "run.vcd")
+        for seed in range(max(1, COUNT // 10)):
+            if (found := by_pyvcd(own, folder, random.Random(seed))) != expected:
+                sys.exit(f"pyvcd, seed {seed}: another verdict than of our dump:\n{found}\n{expected}")
+        print(f"  pyvcd: {max(1, COUNT // 10)} captures, the verdict of our dump for all")
 
 
 main()

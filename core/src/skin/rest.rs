@@ -46,6 +46,9 @@ const BELOW: f32 = 0.7;
 const STEER: f32 = 0.5;
 const SLOWEST: f32 = 1.5;
 const WIDEST: f32 = 0.7;
+/// Drift of a module, counts per second, at which it tells half as much of a taxel's own rate as a steep one: noise is the
+/// larger part of what a slow drift shows.
+const EVIDENT: f32 = 3.0;
 /// A reading below its reference by more than this share of the touch's strongest one contradicts the touch: skin bulges
 /// by a hundredth. For so long, s, and the reference is taken anew.
 const CONTRADICTS: f32 = 0.3;
@@ -435,7 +438,8 @@ impl Rest {
             let part = if hurried { quick } else { slow };
             let steps = [0, 1, 2].map(|a| {
                 if free && !hurried && libm::fabsf(of.rate[a]) > SLOWEST {
-                    let learnt = STEER * slow * slow * rest[a] / (dt * of.rate[a]);
+                    let evidence = of.rate[a] * of.rate[a] + EVIDENT * EVIDENT;
+                    let learnt = STEER * slow * slow * rest[a] * of.rate[a] / (dt * evidence);
                     gains[a] = (gains[a] + learnt).clamp(-WIDEST, WIDEST);
                 }
                 drift[a] + part * rest[a]

@@ -44,6 +44,7 @@ mod order;
 mod overrides;
 mod own_bench;
 mod pace;
+mod packed;
 mod person;
 mod placeholder;
 mod plain;
@@ -106,7 +107,8 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, Settings, load_activation, load_alloy, load_bench, load_evidence, load_layout,
-    load_person, load_priors, load_protocol, load_recipe, load_scene, load_textures, load_wire,
+    load_person, load_priors, load_protocol, load_recipe, load_scene, load_skin, load_textures,
+    load_wire,
 };
 pub use messages::holds_frames;
 pub use migrate::{Migrated, migrated};
@@ -117,6 +119,7 @@ pub use number::Number;
 pub use overrides::Overrides;
 pub use own_bench::DEFAULT_BENCH;
 pub use pace::{Pace, USUAL_BITRATE};
+pub use packed::{Unpacked, open_unpacked};
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use placeholder::keys;
 pub use priors::{Prior, PriorEntry, PriorsFile};

@@ -7,7 +7,7 @@ use super::band::BandFile;
 use super::bench::Bench;
 use super::error::FileError;
 use super::evidence::EvidenceFile;
-use super::layout::LayoutFile;
+use super::layout::{LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::near::nearest;
 use super::overrides::Overrides;
@@ -92,6 +92,18 @@ files! {
     EvidenceFile = Evidence, load_evidence "Evidence";
     BandFile = Band;
     Recipe = Recording, load_recipe "A recipe of a recording";
+}
+
+/// A skin by name or path: a layout of kind "sensor".
+///
+/// # Errors
+/// The errors of [`load_layout`], and a layout of the other kind.
+pub fn load_skin(name: &str) -> Result<Loaded<SensorLayout>, FileError> {
+    let Loaded { value, source } = load_layout(name)?;
+    match value {
+        LayoutFile::Sensor(value) => Ok(Loaded { value, source }),
+        LayoutFile::Display(_) => Err(source.bad("kind", "\"sensor\"")),
+    }
 }
 
 impl<T: Settings> Loaded<T> {

@@ -1,5 +1,7 @@
 //! The times of a recording: clocks that jump, and numbers that are no microseconds.
 
+use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::str::FromStr;
 
 use palpate_core::statistics::quantile;
@@ -186,8 +188,8 @@ pub struct Times {
     same: u32,
     /// First distances, microseconds: their median is the usual one.
     steps: Vec<u64>,
-    /// Microseconds to add to the times of each bus, in the order in which buses come.
-    clocks: Vec<i128>,
+    /// Microseconds to add to the times of each bus that has come.
+    clocks: BTreeMap<usize, i128>,
     notes: Vec<String>,
 }
 
@@ -244,7 +246,7 @@ impl Times {
         self.next(place, us, Some(0))
     }
 
-    /// The time of the next frame of a bus, by its number in the order in which buses come, and its name. A later bus whose
+    /// The time of the next frame of a bus, by its number and its name. A later bus whose
     /// first frame is far from the newest one has a clock of its own.
     ///
     /// # Errors
@@ -252,10 +254,10 @@ impl Times {
     pub fn frame_of(
         &mut self,
         place: &str,
-        (bus, name): (usize, &str),
+        (bus, name): (usize, impl Display),
         us: u64,
     ) -> Result<u64, OutOfTime> {
-        if bus >= self.clocks.len() {
+        if !self.clocks.contains_key(&bus) {
             let newest = self.last.map(i128::from);
             let by = newest.map_or(0, |newest| i128::from(us) + self.shift - newest);
             let is_apart = by > i128::from(JUMP_US) || by < -i128::from(DISORDER_US);
@@ -271,10 +273,9 @@ impl Times {
                 let note = "its first frame is put at the newest one of the others";
                 self.notes.push(format!("{place}: {}: {note}", found()));
             }
-            self.clocks.resize(bus + 1, 0);
-            self.clocks[bus] = if own { -by } else { 0 };
+            self.clocks.insert(bus, if own { -by } else { 0 });
         }
-        let us = i128::from(us) + self.clocks[bus];
+        let us = i128::from(us) + self.clocks.get(&bus).unwrap_or(&0);
         self.frame(place, u64::try_from(us).unwrap_or(0))
     }
 

@@ -7,8 +7,7 @@ use palpate_core::contact::{Contact, LevelTable, Settings};
 use palpate_core::skin::{BaselineSettings, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_files::{
-    Columns, DRIFT_S, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm,
-    scope,
+    Columns, DRIFT_S, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_skin, norm, scope,
 };
 use palpate_records::trace::{PlaceUm, event};
 use palpate_run::{Failure, Intensities, Search, plan};
@@ -129,12 +128,7 @@ impl Finder {
     #[new]
     fn new(py: Python<'_>, layout: &str, wanted: Wanted) -> PyResult<Self> {
         free(py, || {
-            let loaded = load_layout(layout)?;
-            let LayoutFile::Sensor(file) = &loaded.value else {
-                return Err(Failure::Input(format!(
-                    "layout: {layout}: expected a layout of kind \"sensor\", found a display"
-                )));
-            };
+            let file = &load_skin(layout)?.value;
             let columns = Columns::of_skin(file);
             let skin = plan::layout(file)?;
             let finder = palpate_run::Finder::new(&skin, &columns, wanted.search()?)?;

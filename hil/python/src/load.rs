@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate_files::{Format, LayoutFile, Timing, USUAL_BITRATE, format_of, load_layout, read_text};
+use palpate_files::{Format, Timing, USUAL_BITRATE, format_of, load_skin, read_text};
 use palpate_hil::command::rate_of;
 use palpate_live::recording::{Reading, read_can_recording, recorded};
 use palpate_records::schedule::read_schedule;
@@ -45,12 +45,7 @@ pub fn load_taxels<'py>(
     rate_hz: Option<f64>,
 ) -> PyResult<(Vec<Rows<'py>>, u8, Vec<String>)> {
     let (tables, axes, notes) = free(py, || {
-        let loaded = load_layout(layout)?;
-        let LayoutFile::Sensor(sensor) = &loaded.value else {
-            return Err(Failure::Input(format!(
-                "layout: {layout}: expected a layout of kind \"sensor\", found a display"
-            )));
-        };
+        let sensor = load_skin(layout)?.value;
         let reading = Reading {
             timing: Timing {
                 rate_hz: rate_of(rate_hz, &files)?.hz,
@@ -58,7 +53,7 @@ pub fn load_taxels<'py>(
             },
             ..Reading::default()
         };
-        let (input, notes) = recorded(&files, sensor, &reading)?;
+        let (input, notes) = recorded(&files, &sensor, &reading)?;
         let Input::Rows(sources) = input else {
             return Err(Failure::Input(
                 "expected rows of taxels, found frames of buses".into(),
@@ -85,11 +80,17 @@ pub fn load_taxels<'py>(
     Ok((tables.into_iter().map(bytes).collect(), axes, notes))
 }
 
-/// Frames of recorded buses, and what is to be said of the file.
+/// Frames of recorded buses, as fast as the buses of `layout` carry them, or else at 1 Mbit/s; and remarks on the file.
 #[pyfunction]
-pub fn load_buses(py: Python<'_>, path: PathBuf) -> PyResult<(Table, Vec<String>)> {
+pub fn load_buses(
+    py: Python<'_>,
+    path: PathBuf,
+    layout: Option<&str>,
+) -> PyResult<(Table, Vec<String>)> {
     free(py, || {
-        let recording = read_can_recording(&path, (BUSES, USUAL_BITRATE), false)?;
+        let skin = layout.map(load_skin).transpose()?;
+        let bitrate = skin.map_or(USUAL_BITRATE, |skin| skin.value.bitrate);
+        let recording = read_can_recording(&path, (BUSES, bitrate), false)?;
         let frames: Result<Vec<_>, Failure> = recording.frames.frames()?.collect();
         let frames = frames?;
         let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();

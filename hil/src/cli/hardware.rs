@@ -35,6 +35,9 @@ pub struct ReplayArgs {
     /// Take jumps of the clock out: play what follows one right after what came before it.
     #[arg(long)]
     pub split_jumps: bool,
+    /// Skin of the recording, whose `bitrate` its frames cannot exceed (default: 1 Mbit/s).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub layout: Option<String>,
     /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
     #[arg(long, value_name = "IFACE", required = true)]
     pub can: Vec<String>,

@@ -13,8 +13,7 @@ use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_files::{
-    Columns, DRIFT_S, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream,
-    load_layout,
+    Columns, DRIFT_S, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_skin,
 };
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
@@ -192,12 +191,7 @@ impl<'a> Recording<'a> {
                             names it (`hil import` proposes one), found neither";
             Failure::Input(expected.into())
         })?;
-        let loaded = load_layout(&name)?;
-        let LayoutFile::Sensor(file) = &loaded.value else {
-            return Err(Failure::Input(format!(
-                "--layout: {name}: expected a layout of kind \"sensor\", found a display"
-            )));
-        };
+        let file = &load_skin(&name)?.value;
         let time = args.time.clone().or_else(|| recorded.time(args.rate));
         let recordings = match time {
             Some(_) => &[],

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use palpate_core::physics::AIR_POWER;
-use palpate_files::{FileKind, LayoutFile, load_layout, load_wire, resolve};
+use palpate_files::{FileKind, LayoutFile, load_layout, load_skin, load_wire, resolve};
 use palpate_run::Failure;
 
 use crate::cli::{
@@ -203,11 +203,7 @@ struct Pad {
 
 /// The pad of a layout's first module.
 fn middle(layout: &str) -> Result<Pad, Failure> {
-    let LayoutFile::Sensor(sensor) = load_layout(layout)?.value else {
-        return Err(Failure::Input(format!(
-            "--layout {layout}: expected a layout of kind \"sensor\", found a display"
-        )));
-    };
+    let sensor = load_skin(layout)?.value;
     let taxels = sensor.modules.first().map(|m| m.taxels());
     let taxels = taxels.unwrap_or_default();
     let span = |of: fn(&palpate_files::Taxel) -> f64| {

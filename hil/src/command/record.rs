@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use palpate_core::units::Duration;
-use palpate_files::{Format, USUAL_BITRATE};
+use palpate_files::{Format, USUAL_BITRATE, load_skin};
 
 use crate::cli::{RecordArgs, ReplayArgs};
 use palpate_live::output::{Outputs, note, print, print_json};
@@ -64,8 +64,9 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    let buses = (args.can.len(), USUAL_BITRATE);
-    let recording = read_can_recording(&args.file, buses, args.split_jumps)?;
+    let skin = args.layout.as_deref().map(load_skin).transpose()?;
+    let bitrate = skin.map_or(USUAL_BITRATE, |skin| skin.value.bitrate);
+    let recording = read_can_recording(&args.file, (args.can.len(), bitrate), args.split_jumps)?;
     recording.notes.iter().for_each(|text| note(text));
     let played = record::play(&recording, &args.can)?;
     if args.voice.json {

@@ -1,20 +1,19 @@
 //! Messages of an MCAP file as the text of a table: a row for each message of the topic that holds most numbers.
 //!
 //! A column is named by its fields and places in lists, `data.0`; the first column is the time at which a message was
-//! logged. The reader takes bags of ROS 2 (CDR) and messages in JSON. For packed chunks its error names the command
-//! that unpacks them.
+//! logged. The reader takes bags of ROS 2 (CDR) and messages in JSON.
 
 mod cdr;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use super::error::{FileError, said};
 use super::made::Lines;
 use super::objects::flatten;
-use super::reading::open;
+use super::packed::{Unpacked, open_unpacked};
 use cdr::Definition;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -197,7 +196,7 @@ struct Message {
 /// The records of a file, with those in chunks.
 struct Records {
     label: String,
-    input: BufReader<File>,
+    input: Unpacked<File>,
     definitions: BTreeMap<u16, Definition>,
     channels: BTreeMap<u16, Channel>,
     /// The chunk under way, and the place reached in it.
@@ -208,7 +207,7 @@ struct Records {
 impl Records {
     fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
-        let mut input = BufReader::new(open(path, "a recording (MCAP)")?);
+        let mut input = open_unpacked(path, "a recording (MCAP)")?;
         let mut magic = [0; MAGIC.len()];
         let read = input.read_exact(&mut magic);
         if read.is_err() || magic != MAGIC {
@@ -287,7 +286,7 @@ impl Records {
             return Ok(());
         };
         if !packing.is_empty() {
-            let expected = "chunks that are not packed (mcap decompress FILE.mcap -o OUT.mcap)";
+            let expected = "whole chunks, packed by zstd, lz4 or not at all (mcap recover FILE.mcap -o OUT.mcap)";
             return Err(FileError::whole(&self.label, expected, packing));
         }
         (self.chunk, self.at) = (records, 0);

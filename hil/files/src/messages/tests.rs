@@ -129,7 +129,7 @@ fn the_topic_with_most_numbers_is_taken_and_json_is_read() {
     let mut packed = vec![0; 28];
     packed.extend([text("zstd"), vec![0; 8]].concat());
     let error = table("packed", &[record(op::CHUNK, &packed)]).unwrap_err();
-    assert!(error.contains("mcap decompress"), "{error}");
+    assert!(error.contains("mcap recover"), "{error}");
     let error = table("other", &records[2..5]).unwrap_err();
     assert!(error.contains("found /log (protobuf)"), "{error}");
 }

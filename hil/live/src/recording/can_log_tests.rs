@@ -1,6 +1,8 @@
 //! Tests of `can_log.rs`.
 
+use palpate_core::codec::can::CanFrame;
 use palpate_files::{LONGEST_LINE, Lines, Text, Times, USUAL_BITRATE};
+use palpate_records::mcap::{BusTraffic, McapRecording};
 
 use super::super::pass::Log;
 use super::*;
@@ -169,5 +171,42 @@ fn a_long_recording_plays_the_same_frames_in_the_same_order() {
         (long.rows(), long.end()),
         (held.frames.rows(), held.frames.end())
     );
+    std::fs::remove_file(&path).unwrap();
+}
+
+/// Buses keep their numbers in an MCAP file, whichever comes first.
+#[test]
+fn a_bus_with_a_clock_of_its_own_is_named_in_mcap_as_in_a_log() {
+    let path = std::env::temp_dir().join(format!("palpate-clocks-{}.mcap", std::process::id()));
+    let frame = |us: u64, bus: u8| Received {
+        at: Instant::from_micros(us),
+        bus,
+        frame: CanFrame::new(0x104, &[bus]).unwrap(),
+    };
+    let frames = [
+        frame(12_000_000, 1),
+        frame(7_212_000_100, 0),
+        frame(12_010_000, 1),
+        frame(7_212_010_100, 0),
+    ];
+    let names = ["can0".to_owned(), "can1".to_owned()];
+    let mut recording = McapRecording::of_buses(&names, Vec::new()).unwrap();
+    let traffic = BusTraffic {
+        can: &frames,
+        ..BusTraffic::default()
+    };
+    recording.piece(&[], traffic).unwrap();
+    std::fs::write(&path, recording.finish().unwrap()).unwrap();
+    let said = read_can_recording(&path, (2, USUAL_BITRATE), false).unwrap_err();
+    let said = said.to_string();
+    assert!(said.contains("expected one clock for all buses"), "{said}");
+    assert!(
+        said.ends_with("found frame 2: a clock of its own of `bus 0`, 2.0 hours ahead"),
+        "{said}"
+    );
+    let read = read_can_recording(&path, (2, USUAL_BITRATE), true).unwrap();
+    let at: Vec<_> = read.frames.frames().unwrap().map(Result::unwrap).collect();
+    let at: Vec<_> = at.iter().map(|r| (r.at.as_micros(), r.bus)).collect();
+    assert_eq!(at, [(0, 0), (0, 1), (10_000, 0), (10_000, 1)]);
     std::fs::remove_file(&path).unwrap();
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::{
     FileError, Format, JOINT, Joint, MOST_DEG, Rows, Take, Timing, format_of, holds_frames,
-    is_stream, open,
+    is_stream, open, open_unpacked,
 };
 use palpate_records::mcap::{McapReader, Unreadable};
 
@@ -56,7 +56,7 @@ fn has_joints(path: &Path) -> bool {
 fn of_mcap(path: &Path) -> Result<Vec<Joint>, FileError> {
     let label = path.display().to_string();
     let refused = |e: Unreadable| FileError::whole(&label, e.expected, e.found);
-    let file = BufReader::new(open(path, "a recording")?);
+    let file = open_unpacked(path, "a recording")?;
     let mut reader = McapReader::new(file).map_err(refused)?;
     let mut first: Option<u64> = None;
     while let Some(frame) = reader.advance().map_err(refused)? {

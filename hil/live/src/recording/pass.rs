@@ -1,13 +1,14 @@
 //! One reading of a recording of buses, from its first frame to its last: a candump log or an MCAP file.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_files::{
-    FileError, Format, LONGEST_LINE, Lines, OutOfTime, Pace, Times, format_of, open,
+    FileError, Format, LONGEST_LINE, Lines, OutOfTime, Pace, Times, Unpacked, format_of,
+    open_unpacked,
 };
 use palpate_records::{candump, mcap};
 use palpate_run::Identifiers;
@@ -73,7 +74,7 @@ impl Pass<File> {
             let lines = Lines::open(path, EXPECTED, LONGEST_LINE)?;
             return Ok(Self::Log(Log::new(lines, times)));
         }
-        let reader = mcap::McapReader::new(BufReader::new(open(path, EXPECTED)?));
+        let reader = mcap::McapReader::new(open_unpacked(path, EXPECTED)?);
         Ok(Self::Mcap(Mcap {
             reader: reader.map_err(|e| FileError::whole(&label, e.expected, e.found))?,
             label,
@@ -161,7 +162,7 @@ pub(super) const fn zero_of(first_us: u64) -> u64 {
 /// An MCAP file.
 pub(super) struct Mcap<R> {
     label: String,
-    reader: mcap::McapReader<BufReader<R>>,
+    reader: mcap::McapReader<Unpacked<R>>,
     times: Times,
     count: usize,
 }
@@ -177,7 +178,9 @@ impl<R: Read> Mcap<R> {
         self.count += 1;
         let us = frame.at.as_micros();
         let place = format_args!("{}: frame {}", self.label, self.count).to_string();
-        let time = self.times.frame(&place, us).map_err(|e| {
+        let bus = usize::from(frame.bus);
+        let time = (self.times).frame_of(&place, (bus, format_args!("bus {bus}")), us);
+        let time = time.map_err(|e| {
             let found = e.found.unwrap_or_else(|| format!("{us} us"));
             FileError::whole(
                 &self.label,

@@ -38,7 +38,8 @@ def load(
     Args:
         path: Taxels (CSV or .npy; with a layout), frames of buses (candump log or MCAP), a schedule (JSON Lines), or
             contacts (CSV). For a skin with several modules, a list of files, one per module.
-        layout: The skin of taxels, a name or a file.
+        layout: The skin of taxels or buses, a name or a file. Frames come no faster than its ``bitrate`` allows, 1 Mbit/s
+            without a layout.
         rate_hz: Rows per second of taxels without times.
 
     Returns:
@@ -65,7 +66,7 @@ def load(
     if several:
         raise InputError.of("path", "one file, or taxels", f"{len(paths)} files")
     if found == "buses":
-        return table(_palpate.load_buses(paths[0])[0])
+        return table(_palpate.load_buses(paths[0], None if layout is None else os.fspath(layout))[0])
     if found == "schedule":
         return table(_palpate.load_schedule(paths[0])[0])
     if found == "contacts":
