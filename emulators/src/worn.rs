@@ -1,6 +1,7 @@
 //! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
 //! person who wears it. The counterpart of [`crate::sensor::rig`].
 
+mod beside;
 mod rack;
 mod rise;
 mod stage;
@@ -25,6 +26,7 @@ use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
+use beside::Beside;
 use rack::Connection;
 use rise::Rise;
 use stage::Stage;
@@ -125,7 +127,7 @@ pub struct WornDisplay {
     /// The wires, and who feels them.
     worn: Wearing,
     /// Other wires in their place, through which the same currents flow.
-    other: Option<Wearing>,
+    other: Option<Beside>,
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
@@ -261,7 +263,7 @@ impl WornDisplay {
             sum += load.amps;
             self.worn.wires[wire].set_current(at, load.amps);
             if let Some(other) = &mut self.other {
-                other.wires[wire].set_current(at, load.amps);
+                other.set_current(wire, at, load.amps);
             }
             let (since, before) = self.flowing[wire];
             let watts = load.amps * load.amps * self.parameters.resistance_ohm;
@@ -408,7 +410,7 @@ impl WornDisplay {
     pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
         let mut other = self.worn.instead(wire, &self.tissue)?;
         other.by(person, &self.places_mm())?;
-        self.other = Some(other);
+        self.other = Some(Beside::new(other));
         Ok(())
     }
 
@@ -431,10 +433,17 @@ impl WornDisplay {
         self.worn.onset(self.now)
     }
 
-    /// Takes the stimulus of the wires beside since the last onset, and begins the next one. `None` as for
-    /// [`Self::onset`], and without such wires.
-    pub fn other_onset(&mut self) -> Option<Felt> {
-        self.other.as_mut()?.onset(self.now)
+    /// Ends a stimulus of the wires beside, and begins the next one.
+    pub fn other_onset(&mut self) {
+        if let Some(other) = &mut self.other {
+            other.onset(self.now);
+        }
+    }
+
+    /// Takes the wires beside away; returns the stimulus of each of their onsets, the oldest first: `None` as for
+    /// [`Self::onset`]. Without such wires there is no onset.
+    pub fn take_other(&mut self) -> Vec<Option<Felt>> {
+        self.other.take().map_or_else(Vec::new, Beside::finish)
     }
 
     /// Most martensite of any wire now, in [0, 1]; `None` without wires.

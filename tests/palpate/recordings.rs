@@ -225,6 +225,8 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
             recipe: None,
             kc: 1,
             ki: 10,
+            weber: None,
+            stop_mm: 0.001,
             reference_frames: 10,
             threshold: Threshold::Auto,
             drift_s: None,

@@ -208,6 +208,8 @@ fn a_recorded_forearm_goes_the_same_way() {
         recipe: None,
         kc: 3,
         ki: 10,
+        weber: None,
+        stop_mm: 0.001,
         reference_frames: 10,
         threshold: Threshold::Counts(5.0),
         drift_s: None,

@@ -244,11 +244,11 @@ impl EmulatedDisplay {
     }
 
     /// Felt level and error by the state in which the wires began, where both are compared; `known` where the true path is
-    /// known.
-    pub fn states(&self, known: bool) -> Vec<FeltState> {
-        self.states
-            .as_ref()
-            .map_or_else(Vec::new, |states| states.finish(known))
+    /// known. The comparison ends.
+    pub fn states(&mut self, known: bool) -> Vec<FeltState> {
+        let other = self.display.take_other();
+        let states = self.states.take();
+        states.map_or_else(Vec::new, |states| states.finish(known, &other))
     }
 
     /// Transfers that crossed the display's bus; empty where no log is kept, or on a bench of several displays.
@@ -356,10 +356,13 @@ impl EmulatedDisplay {
     /// Scores the newest onset by its sensation until now; otherwise its successor scores it.
     pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
-        let other = self.display.other_onset();
+        self.display.other_onset();
         let pending = self.pending.take();
-        let compared = (self.states.as_mut(), other.as_ref());
-        feel(pending, felt, projector, &self.full, recorder, compared);
+        let mut states = self.states.as_mut();
+        if let Some(states) = &mut states {
+            states.onset();
+        }
+        feel(pending, felt, projector, &self.full, recorder, states);
     }
 }
 

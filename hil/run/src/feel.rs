@@ -2,17 +2,17 @@
 
 use palpate_core::projector::Projector;
 use palpate_core::schedule::Entry;
-use palpate_core::units::{Instant, Point, Ticks};
+use palpate_core::units::{Instant, Ticks};
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::WornDisplay;
 use palpate_files::Setup;
-use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
+use palpate_records::trace::{EnergyPermille, Event, PlaceUm, event};
 
 use super::failure::Failure;
 use super::plan;
 use super::recorder::{Onset, Recorder, milli_c};
-use super::states::States;
+use super::states::{States, felt_at};
 
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
@@ -97,7 +97,7 @@ pub(super) fn feel(
     projector: &Projector,
     full: &FullDrive,
     recorder: &mut Recorder,
-    (states, other): (Option<&mut States>, Option<&Felt>),
+    states: Option<&mut States>,
 ) {
     let Some(onset) = onset else {
         return;
@@ -118,26 +118,16 @@ pub(super) fn feel(
     let Some(seen) = strongest.filter(|_| targets.len() == 1 || true_place.is_some()) else {
         return;
     };
-    let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
-    let place_of = |met: &Felt| FeltAt {
-        energy: place(met.energy_mm),
-        amplitude: place(met.amplitude_mm),
-        level_mdb: (met.levels.db() * 1e3).round() as i32,
-        skin_nm: (met.skin_um * 1e3).round() as i32,
-        tap: met.tap(),
+    let event = event::Felt {
+        t_us: at.as_micros(),
+        target: PlaceUm::from(true_place.unwrap_or(seen.place)),
+        inside: projector.display().contains(seen.place, HULL_MARGIN),
+        met: met.as_ref().map(felt_at),
+        energy: full.permille(projector, &onset, met.as_ref()),
     };
-    let event = |met: Option<&Felt>| {
-        Event::Felt(event::Felt {
-            t_us: at.as_micros(),
-            target: PlaceUm::from(true_place.unwrap_or(seen.place)),
-            inside: projector.display().contains(seen.place, HULL_MARGIN),
-            met: met.map(place_of),
-            energy: full.permille(projector, &onset, met),
-        })
-    };
-    recorder.events.push(event(met.as_ref()));
+    recorder.events.push(Event::Felt(event));
     if let Some(states) = states {
-        states.add(event, met.as_ref(), other);
+        states.add(event);
     }
 }
 

@@ -3,11 +3,12 @@
 //! Heat moves phases, so the other wires are emulated beside, and the same currents flow through them.
 
 use palpate_core::physics::{History, WireParameters, WireState};
+use palpate_core::units::Point;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::worn::WornDisplay;
 use palpate_files::Setup;
 use palpate_records::felt::FeltPath;
-use palpate_records::trace::{Event, Header};
+use palpate_records::trace::{Event, FeltAt, Header, PlaceUm, event};
 use serde::Serialize;
 
 use crate::path_error::PathError;
@@ -18,6 +19,10 @@ pub(crate) struct States {
     own: Path,
     /// `None` where the model has no rest for wires in the other state.
     other: Option<Path>,
+    /// Onsets of the run so far.
+    onsets: usize,
+    /// Those that count, each with its event by the bench's wires.
+    counted: Vec<(usize, event::Felt)>,
 }
 
 /// Felt path of one state.
@@ -67,25 +72,36 @@ impl States {
         Self {
             own: path(history.state),
             other: is_known.then(|| path(state)),
+            onsets: 0,
+            counted: Vec::new(),
         }
     }
 
-    /// Adds an onset that is over. `event` makes the onset's event from a sensation; `own` is the sensation by the bench's
-    /// wires, `other` the one by the wires beside.
-    pub fn add(
-        &mut self,
-        event: impl Fn(Option<&Felt>) -> Event,
-        own: Option<&Felt>,
-        other: Option<&Felt>,
-    ) {
-        self.own.felt.add(&event(own));
+    /// Counts an onset that is over.
+    pub const fn onset(&mut self) {
+        self.onsets += 1;
+    }
+
+    /// Adds the newest onset: its event by the bench's wires.
+    pub fn add(&mut self, event: event::Felt) {
+        self.own.felt.add(&Event::Felt(event));
+        if self.other.is_some() {
+            self.counted.push((self.onsets - 1, event));
+        }
+    }
+
+    /// Figures of both states, the other one by the stimuli that wires in it gave, onset by onset; `known` where the run has a
+    /// true path. Empty where no contact was inside the display.
+    pub fn finish(mut self, known: bool, other: &[Option<Felt>]) -> Vec<FeltState> {
         if let Some(path) = &mut self.other {
-            path.felt.add(&event(other));
+            for (onset, event) in self.counted {
+                let met = other.get(onset).and_then(Option::as_ref);
+                path.felt.add(&Event::Felt(event::Felt {
+                    met: met.map(felt_at),
+                    ..event
+                }));
+            }
         }
-    }
-
-    /// Figures of both states; `known` where the run has a true path. Empty where no contact was inside the display.
-    pub fn finish(&self, known: bool) -> Vec<FeltState> {
         let paths = std::iter::once(&self.own).chain(&self.other);
         paths.filter_map(|path| path.finish(known)).collect()
     }
@@ -102,5 +118,17 @@ impl Path {
             error_energy_mm: energy,
             error_amplitude_mm: amplitude,
         })
+    }
+}
+
+/// A sensation as a trace has it.
+pub(super) fn felt_at(met: &Felt) -> FeltAt {
+    let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
+    FeltAt {
+        energy: place(met.energy_mm),
+        amplitude: place(met.amplitude_mm),
+        level_mdb: (met.levels.db() * 1e3).round() as i32,
+        skin_nm: (met.skin_um * 1e3).round() as i32,
+        tap: met.tap(),
     }
 }
