@@ -9,6 +9,7 @@ mod standing;
 mod totals;
 mod wearing;
 
+pub use beside::Aside;
 pub use rack::Rack;
 pub use standing::Standing;
 pub use totals::DisplayTotals;
@@ -402,15 +403,21 @@ impl WornDisplay {
         self.worn.by(person, &self.places_mm())
     }
 
-    /// Puts other wires beside in place of earlier ones, at rest, through which the same currents flow from here on, and has the same person feel
-    /// them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
+    /// Puts other wires beside in place of earlier ones, at rest, through which the same currents flow from here on, and has
+    /// the same person feel them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
+    /// `aside` computes them beside the caller's work; without it they are computed here.
     ///
     /// # Errors
     /// A parameter of wire or person that cannot be, by name.
-    pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
+    pub fn compare(
+        &mut self,
+        wire: &WireParameters,
+        person: Person,
+        aside: Option<Aside>,
+    ) -> Result<(), ParameterError> {
         let mut other = self.worn.instead(wire, &self.tissue)?;
         other.by(person, &self.places_mm())?;
-        self.other = Some(Beside::new(other));
+        self.other = Some(Beside::new(other, aside));
         Ok(())
     }
 

@@ -16,7 +16,7 @@ const FILES: [(&str, &str); 5] = [
     ),
     (
         "published",
-        include_str!("../../emulators/src/haptic/published.rs"),
+        include_str!("../../emulators/src/haptic/published_tests.rs"),
     ),
     (
         "tca9548a",

@@ -153,4 +153,5 @@ impl Coil {
 }
 
 #[cfg(test)]
+#[path = "published_tests.rs"]
 mod published;

@@ -1,11 +1,10 @@
 //! Other wires in the place of a display's own, through which the same currents flow.
 //!
-//! Nothing of the display depends on them, so they follow on a thread of their own, where the system gives one. What is felt
-//! of them is known at the end, and the same either way.
+//! Nothing of the display depends on them, so they may follow elsewhere, as on another thread. What is felt of them is known at
+//! the end, and the same either way.
 
 use std::mem;
-use std::sync::mpsc::{Sender, channel};
-use std::thread::{Builder, JoinHandle};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::wearing::Wearing;
 use crate::person::channels::Felt;
@@ -13,6 +12,9 @@ use crate::time::Nanos;
 
 /// Steps that are handed over at once.
 const BATCH: usize = 512;
+
+/// Runs work beside the caller's, as on a thread of its own; returns `false` where it cannot.
+pub type Aside = fn(Box<dyn FnOnce() + Send>) -> bool;
 
 /// One step of the display.
 #[derive(Clone, Copy, Debug)]
@@ -40,15 +42,15 @@ type Stimuli = Vec<Option<Felt>>;
 #[derive(Debug)]
 enum Worker {
     Here(Box<Wearing>, Stimuli),
-    There(Sender<Vec<Step>>, JoinHandle<Stimuli>),
+    Aside(Sender<Vec<Step>>, Receiver<Stimuli>),
 }
 
 impl Beside {
-    pub fn new(wearing: Wearing) -> Self {
+    pub fn new(wearing: Wearing, aside: Option<Aside>) -> Self {
         Self {
             amps: vec![0.0; wearing.wires.len()],
             steps: Vec::new(),
-            worker: Worker::new(wearing),
+            worker: Worker::new(wearing, aside),
         }
     }
 
@@ -78,8 +80,8 @@ impl Beside {
         let steps = mem::take(&mut self.steps);
         match &mut self.worker {
             Worker::Here(wearing, met) => play(wearing, &steps, met),
-            // A thread that ended has no stimuli to give.
-            Worker::There(sender, _) => drop(sender.send(steps)),
+            // Where the work ended early there are no stimuli.
+            Worker::Aside(sender, _) => drop(sender.send(steps)),
         }
     }
 
@@ -88,22 +90,23 @@ impl Beside {
         self.hand_over();
         match self.worker {
             Worker::Here(_, met) => met,
-            Worker::There(sender, thread) => {
+            Worker::Aside(sender, stimuli) => {
                 drop(sender);
-                thread.join().unwrap_or_default()
+                stimuli.recv().unwrap_or_default()
             }
         }
     }
 }
 
 impl Worker {
-    fn new(wearing: Wearing) -> Self {
-        // A browser's page has one thread.
-        if cfg!(target_family = "wasm") {
-            return Self::Here(Box::new(wearing), Vec::new());
-        }
+    fn new(wearing: Wearing, aside: Option<Aside>) -> Self {
+        let here = |wearing| Self::Here(Box::new(wearing), Vec::new());
+        let Some(aside) = aside else {
+            return here(wearing);
+        };
         let (sender, steps) = channel::<Vec<Step>>();
         let (lend, lent) = channel::<Wearing>();
+        let (tell, stimuli) = channel();
         let work = move || {
             let mut met = Vec::new();
             if let Ok(mut wearing) = lent.recv() {
@@ -111,16 +114,15 @@ impl Worker {
                     play(&mut wearing, &batch, &mut met);
                 }
             }
-            met
+            // A display that was dropped asks for no stimuli.
+            drop(tell.send(met));
         };
-        let thread = Builder::new().name("wires beside".to_owned()).spawn(work);
-        match thread {
-            Ok(thread) => match lend.send(wearing) {
-                Ok(()) => Self::There(sender, thread),
-                Err(back) => Self::Here(Box::new(back.0), Vec::new()),
-            },
-            // No thread is left in the system.
-            Err(_) => Self::Here(Box::new(wearing), Vec::new()),
+        if !aside(Box::new(work)) {
+            return here(wearing);
+        }
+        match lend.send(wearing) {
+            Ok(()) => Self::Aside(sender, stimuli),
+            Err(back) => here(back.0),
         }
     }
 }

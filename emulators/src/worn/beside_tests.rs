@@ -43,16 +43,14 @@ fn the_same_is_felt_wherever_the_wires_are_computed() {
     );
     assert_eq!(expected.len(), 40);
     assert!(expected.iter().all(Option::is_some));
-    for here in [true, false] {
-        let mut beside = Beside::new(wearing());
-        if here {
-            beside.worker = Worker::Here(Box::new(wearing()), Vec::new());
-        }
+    let thread: Aside = |work| std::thread::Builder::new().spawn(work).is_ok();
+    for aside in [None, Some(thread), Some(|_| false)] {
+        let mut beside = Beside::new(wearing(), aside);
         let steps = std::cell::RefCell::new(&mut beside);
         bursts(
             |wire, at, amps| steps.borrow_mut().set_current(wire, at, amps),
             |now| steps.borrow_mut().onset(now),
         );
-        assert_eq!(beside.finish(), expected, "here: {here}");
+        assert_eq!(beside.finish(), expected);
     }
 }

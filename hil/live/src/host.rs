@@ -3,6 +3,7 @@
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
+use palpate_emulators::worn::Aside;
 use palpate_files::Setup;
 use palpate_records::readings::Readings;
 use palpate_run::effort::Stopwatch;
@@ -85,6 +86,13 @@ impl Pace {
 impl Host for Onlooker<'_> {
     fn stopwatch(&self) -> Option<Stopwatch> {
         Some(clock::elapsed)
+    }
+
+    fn aside(&self) -> Option<Aside> {
+        Some(|work| {
+            let thread = std::thread::Builder::new().name("wires beside".to_owned());
+            thread.spawn(work).is_ok()
+        })
     }
 
     fn looks_on(&self) -> bool {

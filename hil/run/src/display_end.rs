@@ -11,7 +11,7 @@ use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
+use palpate_emulators::worn::{Aside, OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
@@ -239,8 +239,8 @@ impl EmulatedDisplay {
     }
 
     /// Emulates wires in the other state beside, for [`EmulatedDisplay::states`].
-    pub fn compare(&mut self, setup: &Setup, header: &Header) {
-        self.states = Some(States::new(setup, header, &mut self.display));
+    pub fn compare(&mut self, setup: &Setup, header: &Header, aside: Option<Aside>) {
+        self.states = Some(States::new(setup, header, (&mut self.display, aside)));
     }
 
     /// Felt level and error by the state in which the wires began, where both are compared; `known` where the true path is

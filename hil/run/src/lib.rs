@@ -103,6 +103,7 @@ use std::sync::Arc;
 use palpate_core::bus::Received;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
+use palpate_emulators::worn::Aside;
 use palpate_files::Setup;
 use palpate_records::i2c::Transfer;
 use palpate_records::readings::Readings;
@@ -247,6 +248,11 @@ pub struct Beginning<'a> {
 pub trait Host {
     /// Clock to time frames by, where there is one.
     fn stopwatch(&self) -> Option<effort::Stopwatch> {
+        None
+    }
+
+    /// Way to compute beside the run what nothing of it waits for, where there is one.
+    fn aside(&self) -> Option<Aside> {
         None
     }
 

@@ -5,7 +5,7 @@
 use palpate_core::physics::{History, WireParameters, WireState};
 use palpate_core::units::Point;
 use palpate_emulators::person::channels::Felt;
-use palpate_emulators::worn::WornDisplay;
+use palpate_emulators::worn::{Aside, WornDisplay};
 use palpate_files::Setup;
 use palpate_records::felt::FeltPath;
 use palpate_records::trace::{Event, FeltAt, Header, PlaceUm, event};
@@ -45,7 +45,11 @@ pub struct FeltState {
 
 impl States {
     /// Both states of a setup's wires. Those in the other state are put beside the display's own.
-    pub fn new(setup: &Setup, header: &Header, display: &mut WornDisplay) -> Self {
+    pub fn new(
+        setup: &Setup,
+        header: &Header,
+        (display, aside): (&mut WornDisplay, Option<Aside>),
+    ) -> Self {
         let wire = plan::wire(setup);
         let history = wire.history;
         let path = |state| Path {
@@ -68,7 +72,7 @@ impl States {
             ..wire
         };
         let person = plan::emulated_person(setup);
-        let is_known = display.compare(&turned, person).is_ok();
+        let is_known = display.compare(&turned, person, aside).is_ok();
         Self {
             own: path(history.state),
             other: is_known.then(|| path(state)),

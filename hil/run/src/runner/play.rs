@@ -81,7 +81,7 @@ impl<'a> Finger<'a> {
         let header = header(setup, run.seed, &projector)?;
         recorder.felt = keep.summary.then(|| FeltPath::new(&header));
         if keep.spread {
-            display.compare(setup, &header);
+            display.compare(setup, &header, host.aside());
         }
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         // The frames of a stream would be timed with the wait for their readings.
