@@ -13,6 +13,8 @@
 mod audit;
 #[path = "bench/basics.rs"]
 mod basics;
+#[path = "bench/bring_up.rs"]
+mod bring_up;
 #[path = "bench/campaign.rs"]
 mod campaign;
 #[path = "bench/damage.rs"]

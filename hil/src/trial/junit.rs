@@ -68,7 +68,13 @@ fn case(out: &mut String, bench: &str, trial: &Trial) {
     }
     let mut told = |tag: &str, why: &str| {
         let why = escape(why);
-        let _ = writeln!(out, "<{tag} message=\"{why}\"/>");
+        // Jenkins lists the message, GitLab shows the text alone.
+        let _ = match tag {
+            "failure" | "error" => {
+                writeln!(out, "<{tag} message=\"{why}\">{why}</{tag}>")
+            }
+            _ => writeln!(out, "<{tag} message=\"{why}\"/>"),
+        };
     };
     match &trial.end {
         TrialEnd::Passed | TrialEnd::Noted(_) => {}

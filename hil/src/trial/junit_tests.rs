@@ -44,12 +44,12 @@ fn every_verdict_has_its_element_and_text_is_escaped() {
     assert!(text.contains("tests=\"8\" failures=\"1\" errors=\"1\" skipped=\"3\" time=\"12.000\""));
     assert!(text.contains("classname=\"a&lt;b&gt;\" name=\"one\" time=\"1.500\""));
     assert!(text.contains("<flakyFailure message=\"a &quot;b&quot; &amp; c\"/>"));
-    assert!(text.contains("<failure message=\"x; y\"/>"));
+    assert!(text.contains("<failure message=\"x; y\">x; y</failure>"));
     assert!(text.contains("<skipped message=\"quarantined: known; failed: x\"/>"));
     assert!(text.contains("<skipped message=\"bench lacks touch\"/>"));
     assert!(text.contains("<skipped message=\"refused: the scene wants a unit\"/>"));
     assert!(text.contains("<system-out>NOT FELT: 3 of 9</system-out>"));
-    assert!(text.contains("<error message=\"eight.toml: \u{FFFD}\"/>"));
+    assert!(text.contains("<error message=\"eight.toml: \u{FFFD}\">eight.toml: \u{FFFD}</error>"));
     assert_eq!(
         text.matches("<testcase").count(),
         text.matches("</testcase>").count()

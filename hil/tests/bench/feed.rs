@@ -27,22 +27,35 @@ pub fn scene(length_s: f64) -> String {
 }
 
 /// What the emulated boards send in two seconds of it.
-fn frames() -> &'static [Sent] {
+fn touched() -> &'static [Sent] {
+    static FRAMES: OnceLock<Vec<Sent>> = OnceLock::new();
+    FRAMES.get_or_init(|| sent("touched", &scene(2.0)))
+}
+
+/// What they send in two seconds without a touch.
+fn at_rest() -> &'static [Sent] {
     static FRAMES: OnceLock<Vec<Sent>> = OnceLock::new();
     FRAMES.get_or_init(|| {
-        let name = format!("hil-bench-feed-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("scene.toml"), scene(2.0)).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_hil"));
-        let command = command.current_dir(&folder);
-        let words = ["run", "scene.toml", "--record", "skin.log", "--quiet"];
-        let said = command.args(words).output().unwrap();
-        let log = fs::read_to_string(folder.join("skin.log"));
-        let log = log.unwrap_or_else(|e| panic!("no recording of a skin: {e}, {said:?}"));
-        fs::remove_dir_all(&folder).unwrap();
-        log.lines().map(frame).collect()
+        let text = scene(2.0);
+        let (rest, _) = text.split_once("[[touches]]").unwrap();
+        sent("at-rest", rest)
     })
+}
+
+/// What the emulated boards send in a scene.
+fn sent(name: &str, scene: &str) -> Vec<Sent> {
+    let name = format!("hil-bench-feed-{}-{name}", std::process::id());
+    let folder = std::env::temp_dir().join(name);
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("scene.toml"), scene).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hil"));
+    let command = command.current_dir(&folder);
+    let words = ["run", "scene.toml", "--record", "skin.log", "--quiet"];
+    let said = command.args(words).output().unwrap();
+    let log = fs::read_to_string(folder.join("skin.log"));
+    let log = log.unwrap_or_else(|e| panic!("no recording of a skin: {e}, {said:?}"));
+    fs::remove_dir_all(&folder).unwrap();
+    log.lines().map(frame).collect()
 }
 
 /// A line of a candump log: `(seconds.micros) interface ID#DATA`.
@@ -70,7 +83,15 @@ pub struct Feed {
 impl Feed {
     /// From the moment at which somebody listens at `place`, on a board of this number.
     pub fn start(place: PathBuf, board: u8) -> Self {
-        let frames = frames();
+        Self::of(touched(), place, board)
+    }
+
+    /// A skin that nothing touches, from the same moment.
+    pub fn at_rest(place: PathBuf, board: u8) -> Self {
+        Self::of(at_rest(), place, board)
+    }
+
+    fn of(frames: &'static [Sent], place: PathBuf, board: u8) -> Self {
         let (over, paused) = (Arc::default(), Arc::default());
         let (ended, waits): (Arc<AtomicBool>, Arc<AtomicBool>) =
             (Arc::clone(&over), Arc::clone(&paused));
