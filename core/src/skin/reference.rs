@@ -225,7 +225,9 @@ impl Reference {
         for ((whole, rest), by) in whole.iter_mut().zip(rest).zip(by) {
             *rest += by;
             if !(0.0..1.0).contains(rest) {
-                let carry = libm::floorf(*rest);
+                // The floor of a number that is far below 2^31.
+                let toward_zero = (*rest as i32) as f32;
+                let carry = toward_zero - if toward_zero > *rest { 1.0 } else { 0.0 };
                 *whole += carry;
                 *rest -= carry;
             }

@@ -46,8 +46,7 @@ const BELOW: f32 = 0.7;
 const STEER: f32 = 0.5;
 const SLOWEST: f32 = 1.5;
 const WIDEST: f32 = 0.7;
-/// Drift of a module, counts per second, at which it tells half as much of a taxel's own rate as a steep one: noise is the
-/// larger part of what a slow drift shows.
+/// Drift of a module, counts per second, that tells half as much of a taxel's own rate as a steep one.
 const EVIDENT: f32 = 3.0;
 /// A reading below its reference by more than this share of the touch's strongest one contradicts the touch: skin bulges
 /// by a hundredth. For so long, s, and the reference is taken anew.
@@ -89,7 +88,8 @@ pub(super) struct Rest {
     taken_touched: u32,
     /// A module whose reference was.
     wrong: Option<usize>,
-    sample: Vec<f32>,
+    /// Distances of the taxels that speak, by axis.
+    sample: [Vec<f32>; 3],
 }
 
 impl Rest {
@@ -109,7 +109,7 @@ impl Rest {
             corrections: 0,
             taken_touched: 0,
             wrong: None,
-            sample: Vec::with_capacity(SAMPLE),
+            sample: [0; 3].map(|_| Vec::with_capacity(SAMPLE)),
         }
     }
 
@@ -473,19 +473,20 @@ impl Rest {
         (rank, speaks): (f32, impl Fn(&Self, usize) -> bool),
     ) -> Option<[f32; 3]> {
         let stride = range.len().div_ceil(SAMPLE).max(1);
-        let mut common = [0.0; 3];
         let mut sample = core::mem::take(&mut self.sample);
-        let mut enough = true;
-        for (axis, common) in common.iter_mut().enumerate() {
-            sample.clear();
-            let taxels = range.clone().step_by(stride);
-            let taxels = taxels.filter(|i| frame.usable()[*i] && speaks(self, *i));
-            sample.extend(taxels.map(|i| reference.away(i, frame.counts()[i])[axis]));
-            enough &= sample.len() >= SPEAKERS;
+        sample.iter_mut().for_each(Vec::clear);
+        for i in range.step_by(stride) {
+            if frame.usable()[i] && speaks(self, i) {
+                let away = reference.away(i, frame.counts()[i]);
+                sample.iter_mut().zip(away).for_each(|(of, a)| of.push(a));
+            }
+        }
+        let enough = sample[2].len() >= SPEAKERS;
+        let mut common = [0.0; 3];
+        for (axis, rank) in [MIDDLE, MIDDLE, rank].into_iter().enumerate() {
             if enough {
-                let rank = if axis == 2 { rank } else { MIDDLE };
-                let nth = (rank * sample.len() as f32) as usize; // below the length: a rank is below 1
-                *common = *sample.select_nth_unstable_by(nth, f32::total_cmp).1;
+                let nth = (rank * sample[axis].len() as f32) as usize; // below the length: a rank is below 1
+                common[axis] = *sample[axis].select_nth_unstable_by(nth, f32::total_cmp).1;
             }
         }
         self.sample = sample;

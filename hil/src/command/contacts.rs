@@ -191,7 +191,8 @@ impl<'a> Recording<'a> {
                             names it (`hil import` proposes one), found neither";
             Failure::Input(expected.into())
         })?;
-        let file = &load_skin(&name)?.value;
+        let skin = load_skin(&name).map_err(|e| Failure::Input(format!("--layout: {e}")))?;
+        let file = &skin.value;
         let time = args.time.clone().or_else(|| recorded.time(args.rate));
         let recordings = match time {
             Some(_) => &[],

@@ -139,6 +139,29 @@ fn mcap(is_alone: bool) -> Vec<u8> {
     file
 }
 
+/// The records of an MCAP file in one chunk, which zstd packed without making it smaller: one block, as it is.
+fn packed(file: &[u8]) -> Vec<u8> {
+    let (magic, records) = file.split_at(8);
+    let (records, end) = records.split_at(records.len() - 13);
+    let size = records.len() as u32;
+    let head = [&[0x28, 0xB5, 0x2F, 0xFD, 0xA0][..], &size.to_le_bytes()].concat();
+    let block = &(size << 3 | 1).to_le_bytes()[..3];
+    let frame = [&head, block, records].concat();
+    let wide = |number: usize| (number as u64).to_le_bytes();
+    let (unpacked, length) = (wide(records.len()), wide(frame.len()));
+    let chunk = [
+        &[0; 16][..],
+        &unpacked,
+        &[0; 4],
+        &[4, 0, 0, 0],
+        b"zstd",
+        &length,
+        &frame,
+    ];
+    let chunk = chunk.concat();
+    [magic, &[6], &wide(chunk.len()), &chunk, end].concat()
+}
+
 /// A file of every format in the table.
 fn write_all(folder: &Folder) {
     let axis = |c: usize| ["X", "Y", "Z"][c % 3];
@@ -216,6 +239,7 @@ fn write_all(folder: &Folder) {
     fs::write(folder.path("counts.mat"), mat()).unwrap();
     fs::write(folder.path("bag.mcap"), mcap(true)).unwrap();
     fs::write(folder.path("two.mcap"), mcap(false)).unwrap();
+    fs::write(folder.path("packed.mcap"), packed(&mcap(true))).unwrap();
     write_frames(folder);
     for (name, start) in [
         ("table.parquet", &b"PAR1\x15\x04"[..]),
@@ -314,5 +338,5 @@ fn every_row_of_the_table_does_what_it_says() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 28, "the rows of the table");
+    assert_eq!(rows, 29, "the rows of the table");
 }

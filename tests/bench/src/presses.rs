@@ -1,7 +1,7 @@
 //! Frames of any skin: presses that wander over it, with an exact number of taxels in contact.
 
 use palpate_core::skin::{Baseline, BaselinePhase, BaselineSettings, Layout, Scan, ThresholdRule};
-use palpate_core::units::{Instant, Point};
+use palpate_core::units::{Duration, Instant, Point};
 
 use palpate_run::Failure;
 
@@ -123,7 +123,7 @@ pub fn counts(layout: &Layout, frame: usize, presses: Option<Presses>) -> Vec<[u
     counts
 }
 
-/// A baseline that has seen the skin at rest, and `frames` scans.
+/// A baseline that has seen the skin at rest, and follows its drift with a time constant where one is given; and `frames` scans.
 ///
 /// # Errors
 /// A layout that none of them fits.
@@ -131,11 +131,13 @@ pub fn scans(
     layout: &Layout,
     presses: Option<Presses>,
     frames: usize,
+    drift: Option<Duration>,
 ) -> Result<(Baseline, Vec<Scan>), Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::Input(format!("bench: {e}"));
     let settings = BaselineSettings {
         reference_frames: REFERENCE as u32,
         threshold: ThresholdRule::Auto { margin: 10.0 },
+        drift,
         ..BaselineSettings::default()
     };
     let mut baseline = Baseline::new(layout, settings).map_err(|e| failed(&e))?;

@@ -1,9 +1,11 @@
 //! Whole frames of skins of every size: from raw counts to contacts, and how the time grows.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use palpate_core::contact::{Compressor, Scope, Settings};
-use palpate_core::skin::{Layout, Module};
+use palpate_core::skin::{Layout, Module, Scan};
+use palpate_core::units::{Duration as Span, Instant};
 
 use palpate_run::Failure;
 use rayon::prelude::*;
@@ -105,7 +107,7 @@ const CASES: [Case<'_>; 7] = [
 
 /// Median time of a frame, microseconds.
 fn time(case: &Case<'_>, layout: &Layout) -> Result<f64, Failure> {
-    let (mut initialiser, scans) = scans(layout, case.presses, case.frames)?;
+    let (mut initialiser, scans) = scans(layout, case.presses, case.frames, None)?;
     let default = Settings::default();
     let settings = Settings {
         clusters: case.clusters,
@@ -160,7 +162,54 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
         let us = time(case, &skin(case.skin)?)?;
         findings.row(case.name, "default", NO_ERROR, us);
     }
+    estimator("frame pad, 8 in contact", "uskin-4x4", 8, findings)?;
+    estimator("frame hand, 125 in contact", "allegro", 125, findings)?;
     growth(findings)
+}
+
+/// Compares the time of a frame whose reference follows drift with that of one whose reference stays, in turn.
+fn estimator(
+    case: &str,
+    name: &str,
+    touched: usize,
+    findings: &mut Findings,
+) -> Result<(), Failure> {
+    let layout = skin(name)?;
+    let failed = |e: &dyn std::fmt::Display| Failure::Input(format!("{case}: {e}"));
+    let is_wrong = Cell::new(false);
+    let mut race = Race::default();
+    for drift in [None, Some(Span::from_millis(5000))] {
+        let presses = Some(Presses::EveryModule(touched));
+        let (mut baseline, scans) = scans(&layout, presses, ROUND, drift)?;
+        let mut compressor =
+            Compressor::new(&layout, Settings::default()).map_err(|e| failed(&e))?;
+        let (mut scan, mut frame) = (Scan::new(&layout), baseline.frame(&layout));
+        let (mut number, is_wrong) = (0, &is_wrong);
+        race.enter(move || {
+            // Time goes on, as the estimator needs it to, while the scans repeat.
+            let counts = scans[number % scans.len()].counts();
+            number += 1;
+            let at = Instant::from_micros(number as u64 * 10_000);
+            let mut find = || {
+                scan.load(at, counts).ok()?;
+                baseline.advance(&scan, &mut frame).ok()?;
+                compressor.compress(&frame).ok()?.first().copied()
+            };
+            is_wrong.set(find().is_none() || is_wrong.get());
+        });
+    }
+    let samples = race.run(SAMPLES, BUDGET);
+    if is_wrong.get() {
+        return Err(failed(
+            &"expected contacts in every frame, found none in some",
+        ));
+    }
+    let [stays, follows] = [0, 1].map(|of| samples[of].median());
+    findings.row(case, "reference stays", NO_ERROR, stays);
+    findings.row(case, "reference follows drift", NO_ERROR, follows);
+    let what = format!("{case}, reference follows drift (at most 1.3 times one that stays)");
+    findings.target(&what, follows, 1.3 * stays);
+    Ok(())
 }
 
 /// Time against the number of taxels, half of them in contact.
