@@ -6,10 +6,14 @@
 use palpate_core::contact::{Compressor, Settings};
 use palpate_core::random::RandomStream;
 use palpate_core::skin::{
-    Axes, BaselineSettings, HealthSettings, Layout, Module, RelativeFrame, Scan, Sense,
-    ThresholdRule,
+    Axes, BaselineSettings, HealthSettings, RelativeFrame, Scan, Sense, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant, Point};
+
+#[path = "rest/skins.rs"]
+mod skins;
+
+use skins::{Skin, skins};
 
 const RATE_HZ: usize = 100;
 const FRAMES: usize = 40 * RATE_HZ;
@@ -43,72 +47,6 @@ enum Bad {
     Full,
     Stuck,
     Worn,
-}
-
-struct Skin {
-    name: &'static str,
-    layout: Layout,
-    rest: [f64; 3],
-    noise: f64,
-    most: f64,
-    force: [f64; 2],
-    floor: f32,
-}
-
-fn skins() -> Vec<Skin> {
-    let skin = |name, module: Module, rest, noise, most, force, floor| Skin {
-        name,
-        layout: Layout::single(module).unwrap(),
-        rest,
-        noise,
-        most,
-        force,
-        floor,
-    };
-    let uskin = [33_000.0, 33_000.0, 37_400.0];
-    let one = |rows, columns, pitch| {
-        Module::grid("pad", rows, columns, pitch)
-            .and_then(|m| m.with_axes(1))
-            .unwrap()
-    };
-    Vec::from([
-        skin(
-            "4x4",
-            Module::grid("pad", 4, 4, 4.7).unwrap(),
-            uskin,
-            1.8,
-            65_535.0,
-            [200.0, 4000.0],
-            20.0,
-        ),
-        skin(
-            "4x6",
-            Module::grid("pad", 4, 6, 4.7).unwrap(),
-            uskin,
-            1.8,
-            65_535.0,
-            [200.0, 4000.0],
-            20.0,
-        ),
-        skin(
-            "patch",
-            one(10, 6, 6.5),
-            [0.0, 0.0, 20.0],
-            0.4,
-            255.0,
-            [60.0, 200.0],
-            6.0,
-        ),
-        skin(
-            "mat",
-            one(12, 20, 10.0),
-            [0.0, 0.0, 300.0],
-            1.5,
-            4095.0,
-            [150.0, 2000.0],
-            20.0,
-        ),
-    ])
 }
 
 /// One touch: frames, way, largest counts, width.
