@@ -1,4 +1,4 @@
-//! The resonator against a Runge-Kutta of small steps, and against its data sheet.
+//! The resonator against a Runge-Kutta of small steps, and against what makers of such coins state.
 
 use super::*;
 
@@ -75,9 +75,9 @@ fn cutting_a_stretch_changes_nothing() {
     assert!((whole.v_m_s() - cut.v_m_s()).abs() < 1e-12);
 }
 
-/// The data sheets of coins of 10 mm state 1.0 to 1.4 g on 100 g at 2 Vrms, and most motion within 3 Hz of the resonance.
+/// Makers of coins of 10 mm state 1.0 to 1.4 g on 100 g at 2 Vrms, and a narrow resonance.
 #[test]
-fn the_coin_shakes_100_g_as_its_data_sheet_states() {
+fn the_coin_shakes_100_g_as_makers_of_coins_state() {
     let p = LraParameters::COIN_10MM;
     let after_a_second = |hz: f64| {
         let mut lra = Lra::new(p);

@@ -21,7 +21,7 @@ pub(crate) struct States {
     other: Option<Path>,
     /// Onsets of the run so far.
     onsets: usize,
-    /// Those that count, each with its event by the bench's wires.
+    /// Onsets that count, each with its event by the bench's wires.
     counted: Vec<(usize, event::Felt)>,
 }
 
