@@ -40,3 +40,5 @@ pub mod statistics;
 pub mod texture;
 pub mod units;
 pub mod vector;
+#[cfg(feature = "projector")]
+pub mod vibration;

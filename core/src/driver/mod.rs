@@ -3,6 +3,8 @@
 mod actuators;
 mod banks;
 mod dac7578;
+mod drv2605;
+mod haptic_error;
 mod look;
 mod pca9685;
 #[cfg(feature = "unit")]
@@ -11,6 +13,8 @@ mod unit_fault;
 
 pub use actuators::{Actuators, Driver};
 pub use banks::Banks;
+pub use drv2605::{HapticCalibration, HapticChannel, HapticMotor, Haptics};
+pub use haptic_error::HapticError;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};
 #[cfg(feature = "unit")]

@@ -22,6 +22,10 @@ pub const TIGHTEST: f64 = 0.9;
 const STRAIGHT: f64 = 0.02;
 /// Number of places between a piece's ends at which its distance from the bow is taken.
 const LOOKS: u32 = 15;
+/// Number of steps in which a piece's length is looked for.
+const STEPS: u32 = 1 << 24;
+/// Number of guesses at a length before it is halved: they end after some six, unless rounding misleads them.
+const GUESSES: u32 = 16;
 
 /// A range of strains over which displacement and stress are straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,21 +165,49 @@ impl Shape {
     /// Adds knots from the last one up to the sag `to`.
     fn fill(&self, to: f64, knots: &mut Vec<f64>) {
         let mut from = knots.last().copied().unwrap_or(to);
-        while (to - from).abs() > 0.0 && self.bend(from, to) > BEND_M {
-            let (mut good, mut bad) = (0.0, 1.0);
-            for _ in 0..24 {
-                let part = f64::midpoint(good, bad);
-                match self.bend(from, from + (to - from) * part) <= BEND_M {
-                    true => good = part,
-                    false => bad = part,
-                }
+        let mut length = 0.0;
+        while (to - from).abs() > 0.0 {
+            let bend = self.bend(from, to);
+            if !(bend > BEND_M) {
+                break;
             }
-            from += (to - from) * good;
+            let whole = to - from;
+            // The piece before is the best guess; the first one has the bend of all.
+            let guess = match length > 0.0 {
+                true => length / whole.abs(),
+                false => libm::sqrt(BEND_M / bend),
+            };
+            let part = self.reach(from, whole, guess);
+            length = (whole * part).abs();
+            from += whole * part;
             knots.push(from);
         }
         if (to - from).abs() > 0.0 {
             knots.push(to);
         }
+    }
+
+    /// Largest part of `whole`, in steps of 1 / [`STEPS`], that is straight enough from the sag `from` on.
+    fn reach(&self, from: f64, whole: f64, guess: f64) -> f64 {
+        let part = |steps: u32| f64::from(steps) / f64::from(STEPS);
+        let (mut good, mut bad) = (0, STEPS);
+        let mut next = guess * f64::from(STEPS);
+        let mut looks = 0;
+        while bad - good > 1 {
+            let steps = match looks < GUESSES {
+                true => (next as u32).clamp(good + 1, bad - 1),
+                false => u32::midpoint(good, bad),
+            };
+            looks += 1;
+            let bend = self.bend(from, from + whole * part(steps));
+            match bend <= BEND_M {
+                true => good = steps,
+                false => bad = steps,
+            }
+            // The bend of a short piece grows with the square of its length.
+            next = f64::from(steps) * libm::sqrt(BEND_M / bend);
+        }
+        part(good.max(1))
     }
 
     /// Largest distance of a straight piece between two sags from the bow, m.

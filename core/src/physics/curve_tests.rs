@@ -171,3 +171,35 @@ fn pieces_stay_beside_the_cubics_root() {
         assert!(curve.pieces.iter().any(|p| p.low == 0.0 && p.u_m == 0.0));
     }
 }
+
+#[test]
+fn the_longest_piece_is_the_one_that_halving_finds() {
+    for wire in [
+        wire(75.0, 8.0, 170.0),
+        wire(50.0, 8.0, 250.0),
+        wire(100.0, 5.0, 43.0),
+        wire(75.0, 8.0, 500.0),
+    ] {
+        let bow = Bow::new(&wire, &TissueParameters::DEFAULT).unwrap();
+        let shape = Shape::new(&bow, &wire);
+        let (mut from, to, mut pieces) = (shape.rest, shape.rest * (1.0 - TIGHTEST), 0);
+        while shape.bend(from, to) > BEND_M {
+            let whole = to - from;
+            let (mut good, mut bad) = (0.0, 1.0);
+            for _ in 0..24 {
+                let part = f64::midpoint(good, bad);
+                match shape.bend(from, from + whole * part) <= BEND_M {
+                    true => good = part,
+                    false => bad = part,
+                }
+            }
+            for guess in [0.0, 1e-6, good * 0.99, good, 1.0, 1e9, f64::NAN] {
+                let found = shape.reach(from, whole, guess);
+                assert_eq!(found.to_bits(), f64::to_bits(good), "from {guess}");
+            }
+            from += whole * good;
+            pieces += 1;
+        }
+        assert!(pieces > 20, "{pieces}");
+    }
+}
