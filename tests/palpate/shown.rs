@@ -31,7 +31,8 @@ fn code_that_a_page_shows_is_in_the_file_it_links_to() {
         let fenced: Vec<&str> = text.split("\n```").collect();
         let mut shown = 0;
         for pair in fenced.chunks_exact(2) {
-            let before = pair[0].trim_end().lines().last().unwrap();
+            // Between a command and its output stands nothing.
+            let before = pair[0].trim_end().lines().last().unwrap_or_default();
             let (language, code) = pair[1].split_once('\n').unwrap();
             let at = format!("{}: {before}", page.display());
             let Some(file) = announced(before) else {
