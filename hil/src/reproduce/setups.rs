@@ -91,7 +91,7 @@ pub type Thing = (&'static str, f64, f64);
 /// Diameter that stands for a face without curvature, mm.
 const FLAT: f64 = 1000.0;
 
-/// Things that figure 4.7 shows, then others of the YCB set. Flat and soft ones are [`FLAT`].
+/// Things that figure 4.7 shows, then others of the YCB set. Flat and soft ones have a face without curvature.
 pub const THINGS: [Thing; 20] = [
     ("football", 140.0, 0.123),
     ("baseball", 75.0, 0.148),
