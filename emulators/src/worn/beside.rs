@@ -4,6 +4,7 @@
 //! the end, and the same either way.
 
 use std::mem;
+#[cfg(not(target_family = "wasm"))]
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::wearing::Wearing;
@@ -42,6 +43,7 @@ type Stimuli = Vec<Option<Felt>>;
 #[derive(Debug)]
 enum Worker {
     Here(Box<Wearing>, Stimuli),
+    #[cfg(not(target_family = "wasm"))]
     Aside(Sender<Vec<Step>>, Receiver<Stimuli>),
 }
 
@@ -80,6 +82,7 @@ impl Beside {
         let steps = mem::take(&mut self.steps);
         match &mut self.worker {
             Worker::Here(wearing, met) => play(wearing, &steps, met),
+            #[cfg(not(target_family = "wasm"))]
             // Where the work ended early there are no stimuli.
             Worker::Aside(sender, _) => drop(sender.send(steps)),
         }
@@ -90,6 +93,7 @@ impl Beside {
         self.hand_over();
         match self.worker {
             Worker::Here(_, met) => met,
+            #[cfg(not(target_family = "wasm"))]
             Worker::Aside(sender, stimuli) => {
                 drop(sender);
                 stimuli.recv().unwrap_or_default()
@@ -99,6 +103,12 @@ impl Beside {
 }
 
 impl Worker {
+    #[cfg(target_family = "wasm")]
+    fn new(wearing: Wearing, _aside: Option<Aside>) -> Self {
+        Self::Here(Box::new(wearing), Vec::new())
+    }
+
+    #[cfg(not(target_family = "wasm"))]
     fn new(wearing: Wearing, aside: Option<Aside>) -> Self {
         let here = |wearing| Self::Here(Box::new(wearing), Vec::new());
         let Some(aside) = aside else {
