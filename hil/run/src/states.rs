@@ -97,6 +97,8 @@ impl States {
     /// Figures of both states, the other one by the stimuli that wires in it gave, onset by onset; `known` where the run has a
     /// true path. Empty where no contact was inside the display.
     pub fn finish(mut self, known: bool, other: &[Option<Felt>]) -> Vec<FeltState> {
+        // Where their computation ended early, nothing is known of the other wires.
+        self.other = self.other.filter(|_| other.len() == self.onsets);
         if let Some(path) = &mut self.other {
             for (onset, event) in self.counted {
                 let met = other.get(onset).and_then(Option::as_ref);
