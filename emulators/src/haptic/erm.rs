@@ -1,7 +1,8 @@
 //! An eccentric rotating mass: a small motor of direct current with an unbalanced weight.
 //!
 //! Its speed W follows J W' = K (V - K W) / R - b W - friction, with static friction at rest. Inductance is left out. A
-//! steady voltage has a closed form; speed and voltage keep their signs apart, so braking by a reverse voltage works.
+//! steady voltage has a closed form; speed and voltage keep their signs apart, so braking by a reverse voltage works. The coil's
+//! loss is that of the current at a stretch's end, so it is right for stretches that are short beside the spin-up.
 
 use core::f64::consts::TAU;
 

@@ -127,22 +127,20 @@ impl Lra {
             Some(MotorFault::Open | MotorFault::Short) => &Drive::Open,
             _ => drive,
         };
+        let at = |t: f64| match self.fault {
+            Some(MotorFault::Stuck) => (self.x, 0.0),
+            _ => self.after(drive, t),
+        };
         let mut squares = 0.0;
-        let mut end = (self.x, self.v);
-        for look in 1..=2 * LOOKS {
-            let t = seconds * f64::from(look) / f64::from(2 * LOOKS);
-            let (x, v) = match self.fault {
-                Some(MotorFault::Stuck) => (self.x, 0.0),
-                _ => self.after(drive, t),
-            };
-            if look % 2 == 1 && !matches!(drive, Drive::Open) {
-                let p = &self.parameters;
-                let amps = (drive.volts(t) - p.force_n_a * v) / p.ohm;
+        if !matches!(drive, Drive::Open) {
+            for look in 0..LOOKS {
+                let t = seconds * (f64::from(look) + 0.5) / f64::from(LOOKS);
+                let amps =
+                    (drive.volts(t) - self.parameters.force_n_a * at(t).1) / self.parameters.ohm;
                 squares += amps * amps;
             }
-            end = (x, v);
         }
-        (self.x, self.v) = end;
+        (self.x, self.v) = at(seconds);
         let watts = squares / f64::from(LOOKS) * self.parameters.ohm;
         self.coil.warm(watts, seconds);
     }

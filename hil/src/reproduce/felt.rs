@@ -139,7 +139,7 @@ fn values(found: &[(u64, u64, f64)]) -> Value {
     each.collect()
 }
 
-/// What the thesis needs of a wire: decibels that the weakest path's median onset is short of the threshold.
+/// Decibels that the weakest path's median onset is short of the threshold: a wire that gave them would make the thesis right.
 fn missing(found: &[(u64, u64, f64)]) -> f64 {
     found.iter().map(|(_, _, level)| -level).fold(0.0, f64::max)
 }

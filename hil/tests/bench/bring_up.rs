@@ -38,7 +38,7 @@ fn blocks(page: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// What a command of the page prints on this bench; it has to succeed.
+/// Output of a command of the page on this bench; it has to succeed.
 #[track_caller]
 fn printed(bench: &Bench, line: &str) -> String {
     let line = here(bench, line);

@@ -26,13 +26,13 @@ pub fn scene(length_s: f64) -> String {
     )
 }
 
-/// What the emulated boards send in two seconds of it.
+/// Frames of the emulated boards in two seconds of it.
 fn touched() -> &'static [Sent] {
     static FRAMES: OnceLock<Vec<Sent>> = OnceLock::new();
     FRAMES.get_or_init(|| sent("touched", &scene(2.0)))
 }
 
-/// What they send in two seconds without a touch.
+/// Frames of the emulated boards in two seconds without a touch.
 fn at_rest() -> &'static [Sent] {
     static FRAMES: OnceLock<Vec<Sent>> = OnceLock::new();
     FRAMES.get_or_init(|| {
@@ -42,7 +42,7 @@ fn at_rest() -> &'static [Sent] {
     })
 }
 
-/// What the emulated boards send in a scene.
+/// Frames of the emulated boards in a scene.
 fn sent(name: &str, scene: &str) -> Vec<Sent> {
     let name = format!("hil-bench-feed-{}-{name}", std::process::id());
     let folder = std::env::temp_dir().join(name);

@@ -50,6 +50,14 @@ enum Play {
     Calibration,
 }
 
+const fn wave(peak: f64, hz: f64, phase: f64) -> Drive {
+    Drive::Wave {
+        peak,
+        omega: TAU * hz,
+        phase,
+    }
+}
+
 /// One emulated chip with its motor.
 #[derive(Clone, Debug)]
 pub struct Drv2605 {
@@ -323,11 +331,8 @@ impl Drv2605 {
         if !(self.is_whole() && guessed && rated > 0.0 && emf > 0.0) {
             return false;
         }
-        let gains: [f64; 4] = match settings.is_lra() {
-            true => [3.75, 7.5, 15.0, 22.5],
-            false => [0.255, 0.7875, 1.365, 3.0],
-        };
-        let code = |gain: f64| libm::round(emf * gain / 1.22 * 255.0);
+        let gains = settings.emf_gains();
+        let code = |gain: f64| libm::round(emf * gain * reg::EMF_PER_V);
         let fits = (0..4).rev().find(|i| code(gains[*i]) <= 255.0);
         let Some(index) = fits else {
             return false;
@@ -410,7 +415,7 @@ impl Drv2605 {
                     true => lra.speed_phase(),
                     false => -FRAC_PI_2,
                 };
-                (self.wave(volts, hz, phase), 0.5 / hz)
+                (wave(volts, hz, phase), 0.5 / hz)
             }
             _ => {
                 let hz = settings.open_hz();
@@ -418,7 +423,7 @@ impl Drv2605 {
                     Drive::Wave { phase, .. } => phase,
                     _ => -FRAC_PI_2,
                 };
-                (self.wave(volts, hz, phase), 0.5 / hz)
+                (wave(volts, hz, phase), 0.5 / hz)
             }
         };
         if settings.is_lra() && !settings.is_open_loop() {
@@ -427,14 +432,6 @@ impl Drv2605 {
         }
         self.output = output;
         self.look = self.now + Nanos((seconds * 1e9) as u64).max(Nanos(1));
-    }
-
-    const fn wave(&self, peak: f64, hz: f64, phase: f64) -> Drive {
-        Drive::Wave {
-            peak,
-            omega: TAU * hz,
-            phase,
-        }
     }
 
     /// Drives nothing until something is written.

@@ -46,6 +46,8 @@ pub const COUNT: usize = 0x23;
 
 /// Period of a unit of the registers of periods, s.
 pub const PERIOD_S: f64 = 98.46e-6;
+/// Code of [`A_CAL_BEMF`] for a back-EMF of 1 V at a gain of 1.
+pub const EMF_PER_V: f64 = 255.0 / 1.22;
 /// Supply voltage of a unit of [`VBAT`], V.
 pub const VBAT_V: f64 = 5.6 / 255.0;
 
@@ -114,14 +116,18 @@ impl Settings<'_> {
         per_code * f64::from(self.of(OD_CLAMP))
     }
 
-    /// Amplitude of the back-EMF that a closed loop takes for full drive, V.
-    pub fn full_emf_v(self) -> f64 {
-        let gains = match self.is_lra() {
+    /// Gains of the back-EMF, by their setting.
+    pub const fn emf_gains(self) -> [f64; 4] {
+        match self.is_lra() {
             true => [3.75, 7.5, 15.0, 22.5],
             false => [0.255, 0.7875, 1.365, 3.0],
-        };
-        let gain = gains[usize::from(self.of(FEEDBACK) & 3)];
-        f64::from(self.of(A_CAL_BEMF)) / 255.0 * 1.22 / gain
+        }
+    }
+
+    /// Amplitude of the back-EMF that a closed loop takes for full drive, V.
+    pub fn full_emf_v(self) -> f64 {
+        let gain = self.emf_gains()[usize::from(self.of(FEEDBACK) & 3)];
+        f64::from(self.of(A_CAL_BEMF)) / EMF_PER_V / gain
     }
 
     /// Drive that a value of real-time playback asks for: -1 to 1 of full drive.
