@@ -174,7 +174,7 @@ settings! {
         /// it.
         pub current_ma: f64 = 990.0,
         /// Most current of the supply at any instant, mA. A real bench states it.
-        pub supply_limit_ma: f64 = 4000.0, // at the published 1.97 A two wires may overlap, three may not
+        pub supply_limit_ma: f64 = 4000.0, // at 1.97 A two wires may overlap, three may not
         /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
         /// illusion `inverse` and no texture, which choose their own.
         pub pwm_hz: Option<f64>,
