@@ -127,6 +127,8 @@ struct Bench {
 }
 
 impl DisplayEnd for Bench {
+    type Update = Guarded;
+
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         (&mut self.boards, &self.line)
     }

@@ -7,6 +7,7 @@ use crate::guard::Guarded;
 use crate::units::{Board, Instant};
 
 /// A driver of actuators of one kind, which takes updates of one type alone: [`Guarded`] for wires,
+/// [`GuardedVibration`](crate::guard::GuardedVibration) for motors,
 /// [`GuardedCurrent`](crate::peltier::GuardedCurrent) for a Peltier module. Only a guard makes these. Emulated registers
 /// take [`Observed`](crate::guard::Observed); nothing that drives hardware does.
 pub trait Actuators<U = Guarded> {
@@ -27,8 +28,8 @@ pub trait Actuators<U = Guarded> {
     }
 }
 
-/// Boards that can be started, read back and driven.
-pub trait Driver: Actuators<Error = DriverError> {
+/// Boards that can be started, read back and driven, by updates of one type.
+pub trait Driver<U = Guarded>: Actuators<U, Error = DriverError> {
     /// Switches everything off and sets the boards up. Returns when the first update may come.
     ///
     /// # Errors

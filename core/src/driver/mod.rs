@@ -3,6 +3,8 @@
 mod actuators;
 mod banks;
 mod dac7578;
+mod haptic_fault;
+mod haptics;
 mod look;
 mod pca9685;
 #[cfg(feature = "unit")]
@@ -11,6 +13,8 @@ mod unit_fault;
 
 pub use actuators::{Actuators, Driver};
 pub use banks::Banks;
+pub use haptic_fault::{HapticFault, HapticPlanError};
+pub use haptics::{HapticCalibration, HapticChannel, HapticMotor, Haptics};
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};
 #[cfg(feature = "unit")]

@@ -21,6 +21,27 @@ pub(super) struct Passed {
     energy_nj: u64,
 }
 
+impl Passed {
+    /// Nothing of a stimulus, for a reason.
+    pub(super) const fn nothing(until: Instant, reason: Option<Reason>) -> Self {
+        Self {
+            reason,
+            ..Self::of_motor(Ticks::ZERO, until, None)
+        }
+    }
+
+    /// A level of a motor, which has neither current nor energy to book.
+    pub(super) const fn of_motor(level: Ticks, until: Instant, reason: Option<Reason>) -> Self {
+        Self {
+            width: level,
+            until,
+            reason,
+            current: None,
+            energy_nj: 0,
+        }
+    }
+}
+
 /// A burst in progress or the last one of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Burst {
@@ -83,12 +104,12 @@ impl Guard {
         let commanded = self.commanded(index, at, s);
         let current = commanded.map(|(current, _)| current);
         let nothing = |reason| Passed {
-            width: Ticks::ZERO,
-            until: s.until,
-            reason,
             current,
-            energy_nj: 0,
+            ..Passed::nothing(s.until, reason)
         };
+        if self.motors.is_some() {
+            return nothing(Some(Reason::Plant));
+        }
         if self.latched().is_some() {
             return nothing(Some(Reason::Latched));
         }
@@ -146,8 +167,19 @@ impl Guard {
         if energy_nj == 0 {
             return;
         }
-        let burst = self.burst_at(index, at);
         self.spend(index, at, until, energy_nj);
+        self.extend_burst(index, at, until, energy_nj);
+    }
+
+    /// Goes on with a burst until `until`, or begins one.
+    pub(super) fn extend_burst(
+        &mut self,
+        index: usize,
+        at: Instant,
+        until: Instant,
+        energy_nj: u64,
+    ) {
+        let burst = self.burst_at(index, at);
         self.wires[index].burst = Some(Burst {
             start: burst.start,
             spent_nj: burst.spent_nj.saturating_add(energy_nj),
@@ -247,6 +279,10 @@ impl Guard {
             return;
         }
         let width = was.setting.width();
+        if let Some(motors) = &mut self.motors {
+            motors.late(index, width, (was.until, off));
+            return;
+        }
         let energy = self
             .flowing(index)
             .late_nj(width, was.until.since(was.since), span);

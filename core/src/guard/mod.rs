@@ -13,6 +13,7 @@ mod kernel;
 mod lasting;
 mod limits;
 mod memory;
+mod motors;
 mod observed;
 mod overrun;
 mod plant;
@@ -30,6 +31,7 @@ pub use kernel::WornWire;
 pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use memory::{Memory, MemoryError, WireMemory};
+pub use motors::{GuardedVibration, MotorLimits};
 pub use observed::Observed;
 pub use overrun::Overrun;
 pub use plant::{Plant, PlantError};
@@ -46,6 +48,7 @@ use crate::units::{Board, Channel, Duration, Instant, Milliamps, Prescale};
 
 use admission::{Burst, Passed};
 use current::Settable;
+use motors::Motors;
 use overrun::Ending;
 use power::{Bucket, Window};
 use thermal::Heat;
@@ -180,6 +183,8 @@ pub struct Guard {
     fades: bool,
     /// Amplifiers whose current is set; `None` for those with a current of their own.
     settable: Option<Box<Settable>>,
+    /// The rows of motors, in place of those of wires; `None` in a guard of wires.
+    motors: Option<Box<Motors>>,
     watchdog: Watchdog,
     overrun: Option<Overrun>,
     /// True if an overrun was found since the latch was last closed.
@@ -246,6 +251,7 @@ impl Guard {
             worn,
             fades: false,
             settable: None,
+            motors: None,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
             overrun: None,
             overran: false,
@@ -403,7 +409,10 @@ impl Guard {
                 continue;
             };
             let passed = judge(self, index, at, stimulus);
-            let (on, off) = stagger(Channel(channel), passed.width);
+            let (on, off) = match self.motors {
+                Some(_) => (0, passed.width.get()),
+                None => stagger(Channel(channel), passed.width),
+            };
             let setting = Setting { on, off };
             if on < off && passed.until > at {
                 self.wires[index].now = Some(Running {

@@ -46,6 +46,9 @@ pub enum PlantError {
         "expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA"
     )]
     OutOfRange,
+    /// A limit of motors that is no number above zero, or a duty above 1.
+    #[error("expected limits of motors that are finite and above zero, and a duty of at most 1")]
+    Motor,
     /// A wire that is thinner or thicker than the rows of heat know.
     #[error(
         "expected a wire of {} to {} um in diameter: the guard has rows of heat for no other",

@@ -28,6 +28,7 @@ pub use pass::{HotPass, Passing};
 pub use plan_error::PlanError;
 pub use tap::{Firmness, Taps};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
+pub use update::Update;
 pub use view::{View, Window};
 
 use alloc::boxed::Box;
@@ -47,7 +48,6 @@ use crate::units::{Board, Duration, Instant, Ticks};
 
 use sensing::Sensing;
 use texture::Sampler;
-use update::Update;
 use weave::Texture;
 
 /// A frame that went through compression.
@@ -311,7 +311,7 @@ impl Projector {
     ///
     /// # Errors
     /// [`Cause`] that still stands; everything stays off.
-    pub fn reset<A: Actuators + ?Sized>(
+    pub fn reset<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,
@@ -327,7 +327,7 @@ impl Projector {
     /// # Errors
     /// [`RezeroError::Touched`], and then nothing has changed. After any other error the reference is taken anew, and
     /// everything stays off until [`Self::reset`].
-    pub fn rezero<A: Actuators + ?Sized>(
+    pub fn rezero<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         forced: bool,

@@ -13,7 +13,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Cause`] that still stands; everything stays off. [`Cause::Overrun`] says that this all-off came too late.
-    pub fn reset<A: Actuators + ?Sized>(
+    pub fn reset<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         actuators: &mut A,

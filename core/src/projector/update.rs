@@ -1,10 +1,11 @@
-//! The two kinds of update: one that the guard has passed, and one that it only observed.
+//! The kinds of update: those that a guard of wires or of motors has passed, and one that it only observed.
 
-use crate::guard::{Guard, Guarded, Observed};
+use crate::guard::{Guard, Guarded, GuardedVibration, Observed};
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Instant};
 
-/// An update as the loop puts it on the outputs: [`Guarded`], or [`Observed`] where the guard only looks on.
+/// An update as the loop puts it on the outputs: [`Guarded`] for wires, [`GuardedVibration`] for motors, or [`Observed`]
+/// where the guard only looks on.
 pub trait Update: Sized {
     /// `true` where a stop of the guard switches off.
     const STOPS: bool;
@@ -44,6 +45,30 @@ impl Update for Guarded {
 
     fn confirm(&self, guard: &mut Guard, at: Instant) {
         guard.confirm(self, at);
+    }
+}
+
+impl Update for GuardedVibration {
+    const STOPS: bool = true;
+
+    fn begin(
+        guard: &mut Guard,
+        at: Instant,
+        board: Board,
+        stimuli: &[Stimulus],
+        ledger: impl FnMut(Entry),
+    ) -> Option<Self> {
+        guard
+            .admit_vibration(at, board, stimuli, ledger)
+            .filter(Self::changes)
+    }
+
+    fn end(guard: &mut Guard, at: Instant, board: Board) -> Option<Self> {
+        guard.expire_vibration(at, board).filter(Self::changes)
+    }
+
+    fn confirm(&self, guard: &mut Guard, at: Instant) {
+        guard.confirm_vibration(self, at);
     }
 }
 

@@ -56,6 +56,14 @@ listed! {
         Latched = "latched",
         /// The current would have been more than the amplifier can be set to, or would have risen while the wire was on.
         Current = "current",
+        /// The contactor of a motor would have moved further than its limit.
+        Displacement = "displacement",
+        /// The coil of a motor would have become warmer than its limit.
+        CoilHeat = "coil-heat",
+        /// The motor would have been on for a larger part of ten seconds than its limit.
+        Duty = "duty",
+        /// The guard's actuators are of another kind than the update's.
+        Plant = "plant",
     }
 }
 

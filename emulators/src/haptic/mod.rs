@@ -3,10 +3,13 @@
 //! [`I2cSegment::with_haptics`](crate::display::i2c::I2cSegment::with_haptics) puts them on a bus. Every chip owns its
 //! motor: time that passes for the chip moves the mass and warms the coil.
 
+pub mod contact;
 pub mod drv2605;
 pub mod erm;
+pub mod exposure;
 pub mod lra;
 pub mod tca9548a;
+pub mod worn;
 
 use erm::Erm;
 use lra::Lra;
@@ -98,6 +101,14 @@ impl Motor {
         match self {
             Self::Lra(lra) => lra.coil.celsius,
             Self::Erm(erm) => erm.coil.celsius,
+        }
+    }
+
+    /// Temperature of the coil over that of the air, K.
+    pub const fn coil_rise_k(&self) -> f64 {
+        match self {
+            Self::Lra(lra) => lra.coil.celsius - lra.coil.air_c,
+            Self::Erm(erm) => erm.coil.celsius - erm.coil.air_c,
         }
     }
 

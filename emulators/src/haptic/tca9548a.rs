@@ -50,6 +50,11 @@ impl Tca9548a {
         self
     }
 
+    /// Its 7-bit address.
+    pub const fn address(&self) -> u8 {
+        self.address
+    }
+
     /// Channels that are open, a bit each.
     pub const fn open(&self) -> u8 {
         self.open

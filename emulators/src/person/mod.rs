@@ -1,4 +1,5 @@
-//! The person, who feels a part of the wires' motion and rates textures.
+//! The person, who feels a part of what moves on a finger and rates textures.
 
 pub mod channels;
 pub mod panel;
+pub mod vibration;

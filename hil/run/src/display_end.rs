@@ -5,7 +5,8 @@ mod config;
 pub use config::emulated;
 
 use palpate_core::driver::{Driver, DriverError, Traffic};
-use palpate_core::projector::Projector;
+use palpate_core::guard::Guarded;
+use palpate_core::projector::{Projector, Update};
 use palpate_core::units::{Board, Duration, Instant, Prescale};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
@@ -45,8 +46,11 @@ const I2C_LOG: usize = 1 << 20;
 
 /// The display end of a session. Methods with an empty default concern emulated hardware alone.
 pub trait DisplayEnd {
+    /// Kind of update that its boards take.
+    type Update: Update;
+
     /// The boards, and the line that cuts them.
-    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable);
+    fn parts(&mut self) -> (&mut dyn Driver<Self::Update>, &dyn OutputEnable);
 
     /// Emulated registers, where the guard only looks on: its stops are noted and end nothing.
     fn registers(&mut self) -> Option<&mut RegisterWriter> {
@@ -367,6 +371,8 @@ impl EmulatedDisplay {
 }
 
 impl DisplayEnd for EmulatedDisplay {
+    type Update = Guarded;
+
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         match &mut self.driver {
             EmulatedDriver::Wired(banks) => (banks, &self.display),
@@ -456,7 +462,7 @@ impl DisplayEnd for EmulatedDisplay {
                 DriverError::Current(of(board), output, expected, found)
             }
             DriverError::NoConverter(board, output) => DriverError::NoConverter(of(board), output),
-            DriverError::Unit(fault) => DriverError::Unit(fault),
+            DriverError::Unit(_) | DriverError::Haptic(_) => *error,
         };
         error.to_string()
     }

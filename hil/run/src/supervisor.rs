@@ -1,7 +1,7 @@
 //! Answers of a run to hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
 use palpate_core::driver::Driver;
-use palpate_core::projector::Projector;
+use palpate_core::projector::{Projector, Update};
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
 
@@ -59,10 +59,10 @@ impl Supervisor {
     ///
     /// # Errors
     /// [`Failure::Device`] once the bus has been dead for too long.
-    pub fn recover(
+    pub fn recover<U>(
         &mut self,
         now: Instant,
-        bank: &mut dyn Driver,
+        bank: &mut dyn Driver<U>,
         oe: &dyn OutputEnable,
         events: &mut Vec<Event>,
     ) -> Result<Option<Instant>, Failure> {
@@ -112,11 +112,11 @@ impl Supervisor {
     /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
     /// boards answer and are off. On a real bench only a failed transfer that left no wire on for too long may end so: the
     /// rest is a person's.
-    pub fn resume(
+    pub fn resume<U: Update>(
         &mut self,
         now: Instant,
         projector: &mut Projector,
-        bank: &mut dyn Driver,
+        bank: &mut dyn Driver<U>,
         recorder: &mut Recorder,
     ) {
         let Some(cause) = projector.guard().latched() else {

@@ -1,62 +1,6 @@
 //! Registers of a DRV2605L (TI data sheet SLOS854, register map).
 
-/// 7-bit address of every chip.
-pub const ADDRESS: u8 = 0x5A;
-
-/// Identity of the chip, results and faults.
-pub const STATUS: u8 = 0x00;
-/// Mode, standby and reset.
-pub const MODE: u8 = 0x01;
-/// Amplitude in real-time playback.
-pub const RTP_INPUT: u8 = 0x02;
-/// Library of effects, and the output's high impedance.
-pub const LIBRARY: u8 = 0x03;
-/// First of eight entries of the sequencer.
-pub const SEQUENCE: u8 = 0x04;
-/// Number of entries of the sequencer.
-pub const ENTRIES: u8 = 8;
-/// Begins a sequence, a diagnosis or a calibration.
-pub const GO: u8 = 0x0C;
-/// Voltage of full drive in a closed loop.
-pub const RATED_VOLTAGE: u8 = 0x16;
-/// Voltage that no overdrive exceeds, and that of full drive in an open loop.
-pub const OD_CLAMP: u8 = 0x17;
-/// Losses in the coil, as calibrated.
-pub const A_CAL_COMP: u8 = 0x18;
-/// Back-EMF at the rated voltage, as calibrated.
-pub const A_CAL_BEMF: u8 = 0x19;
-/// Kind of motor, brake, loop and gain of the back-EMF.
-pub const FEEDBACK: u8 = 0x1A;
-/// Drive time and more.
-pub const CONTROL1: u8 = 0x1B;
-/// Sample time and more.
-pub const CONTROL2: u8 = 0x1C;
-/// Open loops and data formats.
-pub const CONTROL3: u8 = 0x1D;
-/// Time of a calibration.
-pub const CONTROL4: u8 = 0x1E;
-/// Open-loop period of a resonant actuator.
-pub const OPEN_PERIOD: u8 = 0x20;
-/// Supply voltage, as measured.
-pub const VBAT: u8 = 0x21;
-/// Period of a resonant actuator, as measured.
-pub const LRA_PERIOD: u8 = 0x22;
-/// Number of registers.
-pub const COUNT: usize = 0x23;
-
-/// Period of a unit of the registers of periods, s.
-pub const PERIOD_S: f64 = 98.46e-6;
-/// Code of [`A_CAL_BEMF`] for a back-EMF of 1 V at a gain of 1.
-pub const EMF_PER_V: f64 = 255.0 / 1.22;
-/// Supply voltage of a unit of [`VBAT`], V.
-pub const VBAT_V: f64 = 5.6 / 255.0;
-
-/// Values after power-on and reset.
-pub const RESET: [u8; COUNT] = [
-    0xE0, 0x40, 0x00, 0x01, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-    0x00, 0x05, 0x19, 0xFF, 0x19, 0xFF, 0x3E, 0x8C, 0x0C, 0x6C, 0x36, 0x93, 0xF5, 0xA0, 0x20, 0x80,
-    0x33, 0x00, 0x00,
-];
+pub use palpate_core::codec::drv2605::*;
 
 /// Bits of each register that a write changes.
 pub const WRITABLE: [u8; COUNT] = [

@@ -20,7 +20,9 @@ use crate::display::solver::stretch::Stretch;
 use gauss::Gauss;
 use palpate_core::physics::ParameterError;
 use palpate_core::vector::Vectors;
-use piece::{LEAK_S, Tables};
+pub(super) use filter::gains;
+pub(super) use piece::LEAK_S;
+use piece::Tables;
 pub use threshold::{AreaThreshold, sine_threshold_um};
 pub use train::Kick;
 use wire::{Met, Shared, WireFilter};
@@ -34,7 +36,7 @@ const NEARER: f64 = 1.0 + 1e-6;
 /// Shortest vibration, s; a shorter stimulus is a tap.
 const VIBRATION_S: f64 = 0.03;
 /// The least level there is, dB: silence.
-const SILENCE_DB: f64 = -200.0;
+pub(super) const SILENCE_DB: f64 = -200.0;
 /// Colder tissue than this feels less of vibration, degrees C, and by how much, dB/K.
 const COLD: (f64, f64) = (30.0, 0.8);
 /// Hotter tissue feels less too, degrees C, by so much, dB.

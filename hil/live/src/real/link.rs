@@ -5,6 +5,7 @@ use std::sync::Arc;
 use palpate_buses::guardian::{Armed, Latch};
 use palpate_buses::lock::BusLock;
 use palpate_core::driver::Driver;
+use palpate_core::guard::Guarded;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
 use palpate_records::trace::Event;
@@ -71,6 +72,8 @@ impl LinkEnd {
 }
 
 impl DisplayEnd for LinkEnd {
+    type Update = Guarded;
+
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         (&mut self.unit, &NoLine)
     }

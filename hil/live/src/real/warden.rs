@@ -10,6 +10,7 @@ use palpate_buses::i2c::SharedLine;
 use palpate_buses::pacer::RunClock;
 use palpate_buses::pulse::{Pulse, Round};
 use palpate_core::driver::{Banks, Driver, DriverError};
+use palpate_core::guard::Guarded;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Board, Instant};
 use palpate_files::Setup;
@@ -254,6 +255,8 @@ impl Live {
 }
 
 impl DisplayEnd for Live {
+    type Update = Guarded;
+
     fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
         (&mut self.banks, &self.vote)
     }

@@ -1,0 +1,242 @@
+//! Tests of `motors.rs`: every limit by arithmetic that a reader can follow, and hostile updates.
+
+use super::*;
+use crate::units::{Channel, Point, Prescale};
+use alloc::vec;
+use alloc::vec::Vec;
+use proptest::prelude::*;
+
+/// Figures that are easy to reckon with.
+const EASY: MotorLimits = MotorLimits {
+    rated_v: 2.0,
+    overdrive_v: 3.0,
+    overdrive_s: 0.01,
+    travel_um_v: 50.0,
+    travel_um: 1000.0,
+    rise_k_v2: 5.0,
+    coil_s: 10.0,
+    rise_k: 1000.0,
+    burst: Duration::from_millis(500),
+    duty: 0.5,
+};
+
+fn places(count: u8) -> Vec<DisplayWire> {
+    let place = |n: u8| DisplayWire {
+        place: Point::new(f32::from(n), 0.0),
+        board: Board(0),
+        channel: Channel(n),
+    };
+    (0..count).map(place).collect()
+}
+
+fn guard(motors: MotorLimits) -> Guard {
+    let plant = Plant {
+        prescale: Prescale::new(30),
+        ..Plant::default()
+    };
+    let mut guard = Guard::of_motors(super::super::HARD, motors, plant, &places(8)).unwrap();
+    guard.hear(Instant::ZERO);
+    guard
+}
+
+const fn ms(n: u64) -> Instant {
+    Instant::from_micros(1000 * n)
+}
+
+fn stimulus(motor: u16, level: u16, at: Instant, until: Instant) -> Stimulus {
+    Stimulus {
+        wire: motor,
+        width: Ticks::new(level),
+        peak: crate::units::Milliamps(0),
+        at,
+        until,
+    }
+}
+
+/// What one stimulus of motor 0 becomes.
+fn one(guard: &mut Guard, level: u16, at: Instant, until: Instant) -> (u8, Entry) {
+    let mut entry = None;
+    let update = guard
+        .admit_vibration(at, Board(0), &[stimulus(0, level, at, until)], |e| {
+            entry = Some(e);
+        })
+        .unwrap();
+    let level = update.levels()[0].unwrap_or(0);
+    (level, entry.unwrap())
+}
+
+#[test]
+fn full_level_is_the_rated_voltage_and_levels_are_rounded_down() {
+    let mut guard = guard(EASY);
+    let (level, entry) = one(&mut guard, 4096, ms(0), ms(100));
+    assert_eq!((level, entry.reason), (127, None));
+    let (level, _) = one(&mut guard, 2048, ms(200), ms(300));
+    assert_eq!(level, 63); // half of 127 is 63.5
+    let (level, _) = one(&mut guard, 32, ms(400), ms(500));
+    assert_eq!(level, 0); // less than a step of 127
+}
+
+#[test]
+fn displacement_bounds_the_voltage() {
+    // 60 um at 50 um/V are 1.2 V of 2 V: three fifths of 4096 are 2457.
+    let mut guard = guard(MotorLimits {
+        travel_um: 60.0,
+        ..EASY
+    });
+    let (level, entry) = one(&mut guard, 4096, ms(0), ms(100));
+    assert_eq!(entry.off, 2457);
+    assert_eq!(entry.reason, Some(Reason::Displacement));
+    assert_eq!(level, 76);
+    let (_, entry) = one(&mut guard, 2000, ms(200), ms(300));
+    assert_eq!((entry.off, entry.reason), (2000, None));
+}
+
+#[test]
+fn a_burst_ends_at_its_limit_and_a_motor_rests_before_the_next() {
+    let mut guard = guard(EASY);
+    let (level, entry) = one(&mut guard, 4096, ms(0), ms(2000));
+    assert_eq!(level, 127);
+    assert_eq!(entry.reason, Some(Reason::Burst));
+    assert!(entry.until <= ms(500) && entry.until > ms(490), "{entry:?}");
+    // It goes on without a gap: the same burst, which is over.
+    let (level, entry) = one(&mut guard, 4096, ms(500), ms(600));
+    assert_eq!((level, entry.reason), (0, Some(Reason::Burst)));
+    let (level, _) = one(&mut guard, 4096, ms(700), ms(800));
+    assert_eq!(level, 127);
+}
+
+#[test]
+fn the_coil_warms_by_voltage_and_overdrive_and_bounds_both() {
+    // One second of full level: 5 K/V2 x 4 V2 x (1 - exp(-0.4/10)), and overdrive 5 x 9 x (1 - exp(-0.02/10)).
+    let mut warm = guard(EASY);
+    one(&mut warm, 4096, ms(0), ms(400));
+    let steady = 20.0 * (1.0 - (-0.04_f64).exp());
+    let overdrive = 45.0 * (1.0 - (-0.002_f64).exp());
+    let predicted = warm.coil_rise_k(ms(400));
+    assert!((predicted - steady - overdrive).abs() < 1e-12, "{predicted}");
+    // Ten seconds later an e-th is left.
+    let later = warm.coil_rise_k(ms(10_400));
+    assert!((later - predicted / core::f64::consts::E).abs() < 1e-12);
+    // Half the rise is allowed: the voltage that gives it, downwards.
+    let most = MotorLimits {
+        rise_k: (steady + overdrive) / 2.0,
+        ..EASY
+    };
+    let mut bound = guard(most);
+    let (_, entry) = one(&mut bound, 4096, ms(0), ms(400));
+    assert_eq!(entry.reason, Some(Reason::CoilHeat));
+    let square = ((steady + overdrive) / 2.0 - overdrive) / (5.0 * (1.0 - (-0.04_f64).exp()));
+    assert_eq!(f64::from(entry.off), (square.sqrt() / 2.0 * 4096.0).floor());
+    assert!(bound.coil_rise_k(ms(400)) <= most.rise_k);
+}
+
+#[test]
+fn no_ten_seconds_have_more_than_the_duty() {
+    let mut guard = guard(EASY);
+    let mut on = Vec::new();
+    for n in 0..400 {
+        let at = ms(100 * n);
+        guard.hear(at);
+        let (level, entry) = one(&mut guard, 4096, at, at + Duration::from_millis(80));
+        if level > 0 {
+            on.push((entry.at.as_micros(), entry.until.as_micros()));
+        }
+    }
+    let most = on.iter().map(|&(from, _)| {
+        let end = from + 10_000_000;
+        let in_window = on.iter().filter(|(at, _)| *at >= from && *at < end);
+        in_window.map(|(at, until)| until.min(&end) - at).sum::<u64>()
+    });
+    let most = most.max().unwrap();
+    assert!(most <= 5_000_000, "{most} us");
+    // Refusing everything does not pass.
+    assert!(most > 4_400_000, "{most} us");
+}
+
+#[test]
+fn a_guard_of_motors_passes_no_wire_and_a_guard_of_wires_no_motor() {
+    let mut motors = guard(EASY);
+    let mut entries = Vec::new();
+    let stimuli = [stimulus(0, 100, ms(0), ms(10))];
+    let update = motors.admit(ms(0), Board(0), &stimuli, |e| entries.push(e));
+    assert!(!update.changes());
+    assert_eq!(entries[0].reason, Some(Reason::Plant));
+    let worn = super::super::WornWire::default();
+    let wires = Guard::new(super::super::HARD, Plant::default(), &places(8), worn);
+    let mut wires = wires.unwrap();
+    wires.hear(ms(0));
+    let passed = wires.admit_vibration(ms(0), Board(0), &stimuli, |_| panic!("no entry"));
+    assert_eq!(passed, None);
+    assert_eq!(wires.expire_vibration(ms(50), Board(0)), None);
+    assert!(wires.motors().is_none() && motors.motors().is_some());
+}
+
+#[test]
+fn a_late_end_counts_as_time_and_heat() {
+    let mut guard = guard(EASY);
+    one(&mut guard, 4096, ms(0), ms(100));
+    let booked = guard.coil_rise_k(ms(100));
+    guard.expire_vibration(ms(300), Board(0)).unwrap();
+    assert!(guard.coil_rise_k(ms(300)) > booked);
+}
+
+#[test]
+fn limits_that_cannot_be_are_refused() {
+    let bad = [
+        MotorLimits { rated_v: 0.0, ..EASY },
+        MotorLimits { duty: 1.5, ..EASY },
+        MotorLimits { coil_s: f64::NAN, ..EASY },
+        MotorLimits { travel_um: f64::INFINITY, ..EASY },
+        MotorLimits { burst: Duration::ZERO, ..EASY },
+    ];
+    for limits in bad {
+        let made = Guard::of_motors(super::super::HARD, limits, Plant::default(), &places(1));
+        assert!(matches!(made, Err(PlantError::Motor)), "{limits:?}");
+    }
+}
+
+proptest! {
+    /// Whatever is asked, no coil passes its rise by a model that is stepped through beside, no contactor its displacement, no
+    /// motor its duty.
+    #[test]
+    fn hostile_updates_pass_no_limit(
+        asked in prop::collection::vec((0u64..400, 0u16..8, any::<u16>(), 0u64..1500), 1..200),
+        rise_k in 0.5_f64..20.0,
+        travel_um in 1.0_f64..150.0,
+    ) {
+        let limits = MotorLimits { rise_k, travel_um, ..EASY };
+        let mut guard = guard(limits);
+        let mut runs: Vec<Vec<(f64, f64, f64)>> = vec![Vec::new(); 8];
+        let mut now = 0;
+        for (wait, motor, level, length) in asked {
+            now += wait;
+            guard.hear(ms(now));
+            let stimuli = [stimulus(motor, level, ms(now), ms(now + length))];
+            let update = guard.admit_vibration(ms(now), Board(0), &stimuli, |_| ()).unwrap();
+            for (index, set) in update.levels().into_iter().enumerate().take(8) {
+                let Some(level) = set else { continue };
+                let at = now as f64 * 1e-3;
+                if let Some(last) = runs[index].last_mut() {
+                    last.1 = last.1.min(at);
+                }
+                let volts = 2.0 * f64::from(level) / 127.0;
+                let until = update.0.ends()[index].as_micros() as f64 * 1e-6;
+                prop_assert!(volts * 50.0 <= travel_um + 1e-9);
+                if level > 0 {
+                    runs[index].push((at, until, volts));
+                }
+            }
+        }
+        for run in &runs {
+            let (mut rise, mut at) = (0.0_f64, 0.0);
+            for &(from, to, volts) in run {
+                prop_assert!(to - from <= 0.5 + 1e-9);
+                rise *= (-(from - at) / 10.0_f64).exp();
+                let kept = (-(to - from) / 10.0_f64).exp();
+                rise = rise * kept + 5.0 * volts * volts * (1.0 - kept);
+                at = to;
+                prop_assert!(rise <= rise_k + 1e-9, "{rise} of {rise_k} K");
+            }
+        }
+    }
+}
