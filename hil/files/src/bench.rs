@@ -2,6 +2,7 @@
 
 mod dac;
 mod displays;
+mod haptics;
 mod heat;
 mod unit;
 
@@ -19,6 +20,7 @@ use super::source::Source;
 use super::warmth::SKIN_C;
 pub use dac::BenchDac;
 pub use displays::BenchDisplay;
+pub use haptics::{BenchHaptics, HapticDriver, MotorKind};
 pub use heat::BenchHeat;
 pub use unit::{BenchUnit, Network};
 
@@ -61,6 +63,8 @@ settings! {
         pub unit: Option<BenchUnit>,
         /// A Peltier module under the fingertip; left out: none.
         pub heat: Option<BenchHeat>,
+        /// Vibration motors in place of wires; left out: the display has wires.
+        pub haptics: Option<BenchHaptics>,
         /// Level and error over all that is not measured, from `hil calibrate`: a built-in name or a file; left out: not
         /// computed.
         pub band: Option<String>,
@@ -329,6 +333,7 @@ impl Bench {
             let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;
             bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();
         }
+        bench.check_haptics(source, bench.outputs.len())?;
         bench.check_dac(source)?;
         Ok(bench)
     }

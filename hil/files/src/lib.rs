@@ -42,6 +42,7 @@ mod objects;
 mod opening;
 mod order;
 mod overrides;
+mod on_motors;
 mod own_bench;
 mod pace;
 mod packed;
@@ -88,7 +89,7 @@ pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use band::BandFile;
 pub use bench::{
-    Amplifier, Bench, BenchDac, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
+    Amplifier, Bench, BenchDac, BenchDisplay, BenchHaptics, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive, HapticDriver, MotorKind,
     ExternalClock, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};

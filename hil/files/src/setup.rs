@@ -137,8 +137,9 @@ impl Setup {
     ///
     /// # Errors
     /// A value that is refused in one of the files, or files that do not fit together.
-    pub fn join(scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
+    pub fn join(mut scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
         scene.fits_bench(&bench.value)?;
+        scene.on_motors(&bench.value)?;
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;

@@ -45,6 +45,12 @@ pub enum Limited {
     Sink,
     /// Most current through a Peltier module.
     PeltierCurrent,
+    /// Largest voltage on a motor.
+    MotorVoltage,
+    /// Largest amplitude of a motor's face on the skin.
+    MotorTravel,
+    /// Largest rise of a motor's coil over the air.
+    CoilRise,
 }
 
 /// The temperature at rest, from which the used part of a temperature limit counts: 33 degrees C.
@@ -75,6 +81,9 @@ impl Limited {
             Self::FaceRamp => "face, ramp",
             Self::Sink => "sink",
             Self::PeltierCurrent => "Peltier current",
+            Self::MotorVoltage => "motor voltage, peak",
+            Self::MotorTravel => "motor amplitude",
+            Self::CoilRise => "coil, over the air",
         }
     }
 
@@ -91,7 +100,9 @@ impl Limited {
             | Self::HandPower60s => "mW",
             Self::SupplyCurrent | Self::PeltierCurrent => "A",
             Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm | Self::Sink => "C",
-            Self::FaceCold => "K",
+            Self::FaceCold | Self::CoilRise => "K",
+            Self::MotorVoltage => "V",
+            Self::MotorTravel => "um",
             Self::FaceRamp => "K/s",
             Self::Henriques => "Omega",
             Self::Cem43 => "min",

@@ -42,7 +42,7 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Temperature samples of a run that keeps a summary alone, before all but the warmest are dropped.
 const LOOKS: usize = 1 << 12;
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
-const I2C_LOG: usize = 1 << 20;
+pub(crate) const I2C_LOG: usize = 1 << 20;
 
 /// The display end of a session. Methods with an empty default concern emulated hardware alone.
 pub trait DisplayEnd {

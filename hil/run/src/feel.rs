@@ -50,6 +50,16 @@ impl FullDrive {
         Ok(Self { energy, pulses })
     }
 
+    /// A unit of this felt energy, um2 s, of a stimulus of the loop's length.
+    pub(super) fn of(energy: f64, projector: &Projector) -> Self {
+        let period_ns = projector.guard().prescale().period_ns();
+        let length_ns = projector.timing().duration.as_micros() * 1000;
+        Self {
+            energy,
+            pulses: length_ns.div_ceil(period_ns),
+        }
+    }
+
     /// Energies of an onset with these contacts in thousandths of one wire's at full drive for their levels.
     fn permille(
         &self,

@@ -84,7 +84,10 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         tau_d_us: projector.timing().duration.as_micros(),
         soa_us: projector.timing().soa.as_micros(),
         person: setup.person.value.name.clone(),
-        preset: setup.wire.value.name.clone(),
+        preset: match &bench.haptics {
+            Some(haptics) => haptics.kind.name().to_owned(),
+            None => setup.wire.value.name.clone(),
+        },
         illusion: scene.illusion.model.name().into(),
         kc: u16::try_from(scene.compression.most_contacts()).unwrap_or(u16::MAX),
         taxels: taxels

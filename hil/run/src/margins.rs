@@ -126,7 +126,10 @@ fn limit(of: Limited, limits: &Limits) -> Option<f64> {
         | Limited::FaceCold
         | Limited::FaceRamp
         | Limited::Sink
-        | Limited::PeltierCurrent => return None,
+        | Limited::PeltierCurrent
+        | Limited::MotorVoltage
+        | Limited::MotorTravel
+        | Limited::CoilRise => return None,
     };
     Some(value as f64 * unit)
 }

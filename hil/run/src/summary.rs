@@ -21,6 +21,7 @@ use super::session::Session;
 use super::skin_end::SkinEnd;
 use crate::heat::HeatReport;
 use crate::known::{known_tissue, known_wire};
+use crate::motors::MotorReport;
 use crate::onsets::Onsets;
 use crate::pass::PassReport;
 use crate::path_error::PathError;
@@ -243,6 +244,9 @@ pub struct Summary {
     pub unit: Option<UnitReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heat: Option<HeatReport>,
+    /// Motors of the bench; left out where it has wires.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motors: Option<MotorReport>,
     /// Lateness of a real run's turns; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// Reports of the CAN interfaces of a real run.
@@ -377,6 +381,7 @@ impl Summary {
             displays: Vec::new(),
             unit: None,
             heat: None,
+            motors: None,
             pacing: None,
             can: Vec::new(),
             frames_not_recorded: 0,

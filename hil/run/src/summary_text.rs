@@ -67,7 +67,8 @@ impl FeltError {
 }
 
 impl FeltSummary {
-    fn words(&self) -> String {
+    /// Words of the level on these actuators.
+    fn words(&self, actuators: &str) -> String {
         let level = self.level_db.as_ref().map_or("-".into(), |level| {
             format!(
                 "{:+.1} dB over threshold (median), {:+.1} dB (5 %)",
@@ -82,7 +83,7 @@ impl FeltSummary {
         });
         let breaks = and_counted(self.breaks, "break");
         format!(
-            "{level}{skin}{breaks}; person {}, wires {}{}",
+            "{level}{skin}{breaks}; person {}, {actuators} {}{}",
             self.person,
             self.preset,
             self.state
@@ -239,7 +240,11 @@ impl Summary {
         let passed = self.pass.as_ref().map(PassReport::line);
         let passed = passed.or_else(|| self.no_pass.clone());
         lines.extend(passed.map(|text| line("hot pass", text)));
-        lines.push(line("felt level", self.felt.words()));
+        let actuators = match self.motors {
+            Some(_) => "motors",
+            None => "wires",
+        };
+        lines.push(line("felt level", self.felt.words(actuators)));
         lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(band_line));
         let none = self.felt.no_band.as_ref();
@@ -266,6 +271,13 @@ impl Summary {
 
     /// Lines of the stimuli, and of the heat in wires and tissue.
     fn heat_lines(&self) -> Vec<Line> {
+        if let Some(motors) = &self.motors {
+            return vec![
+                line("stimuli", self.stimuli.to_string()),
+                line("exposure", motors.words()),
+                line("limiter events", self.limiter_events.to_string()),
+            ];
+        }
         let stimuli = format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz);
         let mut lines = vec![line("stimuli", stimuli)];
         if let (Some(mj), Some(ampere)) = (self.energy_mj, self.peak_supply_a) {

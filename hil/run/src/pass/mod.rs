@@ -25,6 +25,7 @@ use crate::{Failure, Outcome, stopped_by};
 #[must_use]
 pub fn is_due(setup: &Setup) -> bool {
     setup.pass == Pass::Before
+        && setup.bench.value.haptics.is_none()
         && setup.bench.value.drive.hot_pass
         && setup.wire.value.state == WireState::Cold
 }

@@ -3,6 +3,7 @@
 mod current;
 mod illusion;
 mod level;
+pub mod motors;
 mod person;
 mod reaction;
 mod response;
@@ -22,10 +23,10 @@ pub use texture::{projection, surface};
 pub use unit::differences;
 
 use palpate_core::contact::{Levels, Settings};
-use palpate_core::guard::{Guard, Limits, Plant, WornWire};
+use palpate_core::guard::{Guard, Limits, Plant, PlantError, WornWire};
 use palpate_core::illusion::{Display, DisplayWire, Map, MapError, Rect, Surface};
 use palpate_core::physics::{TissueParameters, WireParameters};
-use palpate_core::projector::{Plan, SensingPlan, View, Window, sensor_area};
+use palpate_core::projector::{OutputSettings, Plan, SensingPlan, View, Window, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
 use palpate_core::skin::{
     Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module, Protocol,
@@ -354,6 +355,18 @@ pub fn untextured(
     let view = view(setup, skin, display.bounds())?;
 
     let pattern = illusion::pattern(setup)?;
+    if let Some(haptics) = &bench.haptics {
+        let plant = Plant {
+            prescale: prescale(bench)?,
+            ..Plant::default()
+        };
+        let limits = setup.limits.value.limits;
+        let guard = Guard::of_motors(limits, motors::limits(haptics), plant, display.wires());
+        let guard = guard.map_err(no_guard(setup))?;
+        let peak = milliamps(bench.drive.current_ma);
+        let output = illusion::output(setup, &display, &guard, peak, (None, responses))?;
+        return Ok(assembled(setup, seed, levels, (layout, view, display, output, guard)));
+    }
     let own = guarded(setup, pattern.map(|p| p.prescale()))?;
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
     let control = unit::agreed_current(setup, current::control(bench))?;
@@ -370,7 +383,7 @@ pub fn untextured(
             Some(control) => guard.with_current(control),
             None => Ok(guard),
         })
-        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+        .map_err(no_guard(setup))?;
     if let Some(memory) = &setup.memory {
         let remembered = guard.remember(memory, Instant::ZERO);
         remembered.map_err(|e| Failure::Input(format!("heat of earlier runs: {e}")))?;
@@ -380,7 +393,23 @@ pub fn untextured(
     if pattern.is_none() {
         output.timing.duration = prescale.counted(output.timing.duration);
     }
-    Ok(Plan {
+    Ok(assembled(setup, seed, levels, (layout, view, display, output, guard)))
+}
+
+/// Failure of a bench whose hardware no guard protects.
+fn no_guard(setup: &Setup) -> impl Fn(PlantError) -> Failure {
+    move |e| Failure::Input(format!("bench `{}`: {e}", setup.bench.value.name))
+}
+
+/// The plan of a scene's loop, of its parts.
+fn assembled(
+    setup: &Setup,
+    seed: u64,
+    levels: Levels,
+    (layout, view, display, output, guard): (Layout, View, Display, OutputSettings, Guard),
+) -> Plan {
+    let scene = &setup.scene.value;
+    Plan {
         sensing: SensingPlan {
             layout,
             baseline: BaselineSettings {
@@ -411,5 +440,5 @@ pub fn untextured(
         output,
         texture: None,
         guard,
-    })
+    }
 }

@@ -12,6 +12,11 @@ const CM2: f64 = 1e4;
 
 /// Thresholds of a person's file for one of these wires on this finger, and growths.
 pub fn person(file: &PersonFile, wire: &WireParameters, tissue: &TissueParameters) -> Person {
+    with_area(file, tissue.contact_width_m * wire.length_m * CM2)
+}
+
+/// Thresholds of a person's file for contacts of this area each, cm2, and growths.
+pub(super) fn with_area(file: &PersonFile, own_cm2: f64) -> Person {
     let um = file.vibration.threshold_um.value;
     let vibration_um = file.vibration.area_cm2.map_or(um, |area_cm2| {
         let summation = file.vibration.summation.unwrap_or(SUMMATION);
@@ -20,7 +25,7 @@ pub fn person(file: &PersonFile, wire: &WireParameters, tissue: &TissueParameter
             area_cm2,
             summation,
         };
-        threshold.at(tissue.contact_width_m * wire.length_m * CM2)
+        threshold.at(own_cm2)
     });
     Person {
         vibration_um,

@@ -292,6 +292,9 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
+        if let Some(haptics) = &self.setup.bench.value.haptics {
+            return self.on_motors(haptics, (levels, truth), skin, end, host);
+        }
         let whole = Place::whole(&self.setup.bench.value);
         let (own, on) = (Box::new(&mut *skin), (whole, None));
         let mut one = Finger::new(*self, own, (levels, truth), on, host)?;

@@ -1,0 +1,199 @@
+//! A bench's `[haptics]`: vibration motors behind DRV2605L drivers, in place of wires.
+
+use palpate_core::codec::tca9548a::{ADDRESSES, CHANNELS};
+use serde::Deserialize;
+
+use super::Bench;
+use crate::bench::BenchKind;
+use crate::error::FileError;
+use crate::settings::{bounds, settings};
+use crate::source::Source;
+
+/// Kinds of motors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
+#[serde(rename_all = "kebab-case")]
+pub enum MotorKind {
+    /// A linear resonant actuator.
+    Lra,
+    /// An eccentric rotating mass.
+    Erm,
+}
+
+impl MotorKind {
+    /// Name in records.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Lra => "lra",
+            Self::Erm => "erm",
+        }
+    }
+}
+
+/// The place of one driver behind a multiplexer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct HapticDriver {
+    /// Address of its TCA9548A, 0x70 to 0x77; left out: the driver is alone on the bus.
+    pub switch: Option<u8>,
+    /// Channel of that switch, 0 to 7.
+    #[serde(default)]
+    pub channel: u8,
+}
+
+settings! {
+    /// Equal vibration motors, each behind a DRV2605L, in place of wires. Emulated benches of one display. Left out: the
+    /// display has wires.
+    pub struct BenchHaptics {
+        /// Kind of the motors.
+        pub kind: MotorKind = MotorKind::Lra,
+        /// Rated voltage: V RMS of a resonant actuator, V of a rotating motor.
+        pub rated_v: f64 = 1.8,
+        /// Voltage of the highest level, as `rated_v` and at most that: the strongest that is to be felt.
+        pub full_v: f64 = 0.3,
+        /// Largest voltage while a motor starts or brakes, V peak.
+        pub overdrive_v: f64 = 2.7,
+        /// Longest time of it at either end of a burst, ms.
+        pub overdrive_ms: f64 = 25.0,
+        /// Resonance, Hz.
+        pub resonance_hz: f64 = 235.0,
+        /// Moving mass, g.
+        pub moving_g: f64 = 0.5,
+        /// Mass of the case without it, g.
+        pub case_g: f64 = 0.7,
+        /// Quality of the resonance with an open coil.
+        pub quality: f64 = 20.0,
+        /// Force per current, N/A, and back-EMF per speed, V s/m.
+        pub force_n_a: f64 = 0.3,
+        /// Resistance of the coil, Ohm.
+        pub ohm: f64 = 25.0,
+        /// Diameter of the face on the skin, mm.
+        pub face_mm: f64 = 8.0,
+        /// Stiffness of the skin under it, N/m.
+        pub skin_n_m: f64 = 1000.0,
+        /// Damping of the skin under it, N s/m.
+        pub skin_ns_m: f64 = 1.5,
+        /// Largest amplitude of the face, um.
+        pub travel_um: f64 = 300.0,
+        /// Largest rise of the coil, K.
+        pub coil_rise_k: f64 = 15.0,
+        /// Longest burst, ms.
+        pub burst_ms: f64 = 500.0,
+        /// Largest part of ten seconds for which a motor may be on, 0 to 1.
+        pub duty: f64 = 0.8,
+        /// Results of the drivers' calibration: losses, back-EMF and its gain.
+        pub calibration: [u8; 3] = [232, 166, 3],
+        /// One entry per motor, in the display's order; left out: the channels of one switch after the other, from 0x70 on.
+        pub drivers: Vec<HapticDriver>,
+    }
+
+    /// Coins of 8 mm: every figure is assumed, of the size that data sheets of such coins state.
+    default
+}
+
+/// Tables of a bench of wires.
+const OF_WIRES: [&str; 10] = [
+    "wire",
+    "mount",
+    "amplifier",
+    "dac",
+    "outputs",
+    "heat",
+    "unit",
+    "displays",
+    "band",
+    "drive",
+];
+
+/// Most motors of one finger.
+const MOST: usize = 16;
+
+impl BenchHaptics {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        bounds!(source, "haptics", self;
+            rated_v: 0.1..=5.0, "V";
+            full_v: 0.05..=self.rated_v, "V";
+            overdrive_v: 0.1..=5.4, "V";
+            overdrive_ms: 1.0..=100.0, "ms";
+            resonance_hz: 125.0..=300.0, "Hz";
+            moving_g: 0.01..=100.0, "g";
+            case_g: 0.01..=100.0, "g";
+            quality: 1.0..=200.0;
+            force_n_a: 0.01..=10.0, "N/A";
+            ohm: 1.0..=1000.0, "Ohm";
+            face_mm: 1.0..=50.0, "mm";
+            skin_n_m: 10.0..=1e5, "N/m";
+            skin_ns_m: 0.01..=100.0, "N s/m";
+            travel_um: 1.0..=2000.0, "um";
+            coil_rise_k: 0.1..=60.0, "K";
+            burst_ms: 10.0..=10_000.0, "ms";
+            duty: 0.01..=1.0)?;
+        source.range("haptics.drivers", &self.drivers.len(), 1..=MOST, "drivers")
+    }
+
+    /// Place of motor `index` if the file states none: eight behind each switch.
+    const fn nth(index: usize) -> HapticDriver {
+        HapticDriver {
+            switch: Some(*ADDRESSES.start() + (index / 8) as u8), // at most two switches
+            channel: (index % 8) as u8,
+        }
+    }
+
+    fn check_drivers(&self, source: &Source) -> Result<(), FileError> {
+        for (index, driver) in self.drivers.iter().enumerate() {
+            let at = |key: &str| format!("haptics.drivers[{index}].{key}");
+            let Some(switch) = driver.switch else {
+                if self.drivers.len() > 1 {
+                    let expected = "the address of a TCA9548A: every DRV2605L answers at 0x5a, so two need a switch and a channel each";
+                    return Err(source.bad(&at("switch"), expected));
+                }
+                continue;
+            };
+            source.range(&at("switch"), &switch, ADDRESSES, "")?;
+            source.range(&at("channel"), &driver.channel, 0..=CHANNELS - 1, "")?;
+            let before = self.drivers[..index].iter();
+            if let Some(motor) = before.clone().position(|other| other == driver) {
+                let expected = format!(
+                    "a channel of its own: motor {motor} has this channel of this switch"
+                );
+                return Err(source.bad(&at("channel"), expected));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Bench {
+    /// Checks the motors of a bench of `actuators`, and that nothing of wires stands beside them.
+    pub(super) fn check_haptics(
+        &mut self,
+        source: &Source,
+        actuators: usize,
+    ) -> Result<(), FileError> {
+        let Some(haptics) = &mut self.haptics else {
+            return Ok(());
+        };
+        if let Some(key) = OF_WIRES.into_iter().find(|key| source.states(key)) {
+            let expected =
+                "nothing beside [haptics]: a finger has actuators of one kind, and this is of wires";
+            return Err(source.bad(key, expected));
+        }
+        if self.kind == BenchKind::Real {
+            let expected = "\"emulated\" with [haptics]: this program drives no motors on hardware";
+            return Err(source.bad_found("kind", expected, "\"real\""));
+        }
+        if haptics.drivers.is_empty() {
+            haptics.drivers = (0..actuators).map(BenchHaptics::nth).collect();
+        }
+        haptics.check(source)?;
+        haptics.check_drivers(source)?;
+        if haptics.drivers.len() == actuators {
+            return Ok(());
+        }
+        let found = haptics.drivers.len().to_string();
+        let expected = format!("{actuators} drivers, one for each place of `{}`", self.display);
+        Err(source.bad_found("haptics.drivers", expected, found))
+    }
+}

@@ -1,0 +1,124 @@
+//! Motors of a bench in the terms of guard, driver and emulator.
+
+use palpate_core::driver::{HapticCalibration, HapticChannel, HapticMotor};
+use palpate_core::guard::MotorLimits;
+use palpate_core::units::Duration;
+use palpate_emulators::haptic::Motor;
+use palpate_emulators::haptic::contact::Contact;
+use palpate_emulators::haptic::erm::{Erm, ErmParameters};
+use palpate_emulators::haptic::lra::{Lra, LraParameters};
+use palpate_emulators::haptic::{Coil, worn::MotorPlace};
+use palpate_emulators::person::channels::Person;
+use palpate_files::{BenchHaptics, HapticDriver, MotorKind, Setup};
+
+use super::person::with_area;
+
+/// Peak of a sine of 1 V RMS, V.
+const PEAK: f64 = core::f64::consts::SQRT_2;
+
+/// A motor at rest.
+pub fn motor(haptics: &BenchHaptics) -> Motor {
+    match haptics.kind {
+        MotorKind::Lra => Motor::Lra(Lra::new(lra(haptics))),
+        MotorKind::Erm => Motor::Erm(Erm::new(ErmParameters {
+            ohm: haptics.ohm,
+            ..ErmParameters::COIN_10MM
+        })),
+    }
+}
+
+const fn lra(haptics: &BenchHaptics) -> LraParameters {
+    LraParameters {
+        resonance_hz: haptics.resonance_hz,
+        mass_kg: haptics.moving_g * 1e-3,
+        quality: haptics.quality,
+        force_n_a: haptics.force_n_a,
+        ohm: haptics.ohm,
+    }
+}
+
+/// The motors' faces on skin.
+pub const fn contact(haptics: &BenchHaptics) -> Contact {
+    Contact {
+        case_kg: haptics.case_g * 1e-3,
+        moving_kg: haptics.moving_g * 1e-3,
+        face_m: haptics.face_mm * 1e-3,
+        skin_n_m: haptics.skin_n_m,
+        skin_ns_m: haptics.skin_ns_m,
+    }
+}
+
+/// Limits of the motors, and what the guard predicts them by.
+pub fn limits(haptics: &BenchHaptics) -> MotorLimits {
+    let coil = Coil::new(haptics.ohm);
+    let (per_volt, overdrive_v) = match haptics.kind {
+        MotorKind::Lra => {
+            let lra = lra(haptics);
+            let amplitude_m = lra.steady_m(PEAK) * contact(haptics).gain(lra.resonance_hz);
+            (1e6 * amplitude_m, haptics.overdrive_v / PEAK)
+        }
+        // Its amplitude is the same at every speed.
+        MotorKind::Erm => {
+            let um = 1e6 * ErmParameters::COIN_10MM.unbalance_m;
+            (um / haptics.rated_v, haptics.overdrive_v)
+        }
+    };
+    MotorLimits {
+        rated_v: haptics.full_v,
+        overdrive_v,
+        overdrive_s: haptics.overdrive_ms * 1e-3,
+        travel_um_v: per_volt,
+        travel_um: haptics.travel_um,
+        rise_k_v2: coil.kelvin_per_watt / haptics.ohm,
+        coil_s: coil.warming_s,
+        rise_k: haptics.coil_rise_k,
+        burst: Duration::from_micros((haptics.burst_ms * 1e3).round() as u64),
+        duty: haptics.duty,
+    }
+}
+
+fn behind(driver: &HapticDriver) -> Option<(u8, u8)> {
+    driver.switch.map(|switch| (switch, driver.channel))
+}
+
+/// The drivers of the motors.
+pub fn channels(haptics: &BenchHaptics) -> Vec<HapticChannel> {
+    let motor = match haptics.kind {
+        MotorKind::Lra => HapticMotor::Lra {
+            rated_v: haptics.full_v,
+            overdrive_v: haptics.overdrive_v,
+            resonance_hz: haptics.resonance_hz,
+        },
+        MotorKind::Erm => HapticMotor::Erm {
+            rated_v: haptics.full_v,
+            overdrive_v: haptics.overdrive_v,
+        },
+    };
+    let [compensation, back_emf, gain] = haptics.calibration;
+    let channel = |driver: &HapticDriver| HapticChannel {
+        behind: behind(driver),
+        motor,
+        calibration: HapticCalibration {
+            compensation,
+            back_emf,
+            gain,
+        },
+    };
+    haptics.drivers.iter().map(channel).collect()
+}
+
+/// Places of the motors on the finger.
+pub fn places(setup: &Setup, haptics: &BenchHaptics) -> Vec<MotorPlace> {
+    let drivers = haptics.drivers.iter();
+    let places = drivers.zip(&setup.display.value.wires_mm);
+    let place = |(driver, [x, y]): (&HapticDriver, &[f64; 2])| MotorPlace {
+        at_mm: (*x, *y),
+        behind: behind(driver),
+    };
+    places.map(place).collect()
+}
+
+/// The emulated person of a setup, with faces of motors on the skin.
+pub fn wearer(setup: &Setup, haptics: &BenchHaptics) -> Person {
+    with_area(&setup.person.value, contact(haptics).area_cm2())
+}
