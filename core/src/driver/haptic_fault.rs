@@ -45,6 +45,11 @@ pub enum HapticFault {
         "actuator {0}: the switch reads channels {2:#04x}, expected {1:#04x}: it is stuck; pull its RESET pin low or switch it off and on"
     )]
     Stuck(u8, u8, u8),
+    /// The driver of another actuator answers: its number.
+    #[error(
+        "actuator {0}: the driver of actuator {1} answers; the switch is stuck: pull its RESET pin low or switch it off and on"
+    )]
+    Elsewhere(u8, u8),
     /// The device number is another chip's: read.
     #[error(
         "actuator {0}: device number {1}, expected 7 of a DRV2605L; check which chip is on this channel"

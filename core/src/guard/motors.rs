@@ -166,7 +166,11 @@ impl Motors {
         let motor = &mut self.each[index];
         motor.rise_k = before * kept
             + l.rise_k_v2 * volts * volts * (1.0 - kept)
-            + if level > Ticks::ZERO { l.overdriven_k() } else { 0.0 };
+            + if level > Ticks::ZERO {
+                l.overdriven_k()
+            } else {
+                0.0
+            };
         motor.left_s = left_s;
         motor.at = until.max(motor.at);
     }
@@ -222,7 +226,9 @@ impl GuardedVibration {
             let share = u32::from(width) * u32::from(Self::FULL) / u32::from(Ticks::PER_PERIOD);
             share as u8 // at most 127
         };
-        self.0.channels().map(|set| set.map(|set| level(set.width())))
+        self.0
+            .channels()
+            .map(|set| set.map(|set| level(set.width())))
     }
 }
 

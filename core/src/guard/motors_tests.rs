@@ -113,7 +113,10 @@ fn the_coil_warms_by_voltage_and_overdrive_and_bounds_both() {
     let steady = 20.0 * (1.0 - (-0.04_f64).exp());
     let overdrive = 45.0 * (1.0 - (-0.002_f64).exp());
     let predicted = warm.coil_rise_k(ms(400));
-    assert!((predicted - steady - overdrive).abs() < 1e-12, "{predicted}");
+    assert!(
+        (predicted - steady - overdrive).abs() < 1e-12,
+        "{predicted}"
+    );
     // Ten seconds later an e-th is left.
     let later = warm.coil_rise_k(ms(10_400));
     assert!((later - predicted / core::f64::consts::E).abs() < 1e-12);
@@ -146,7 +149,9 @@ fn no_ten_seconds_have_more_than_the_duty() {
     let most = on.iter().map(|&(from, _)| {
         let end = from + 10_000_000;
         let in_window = on.iter().filter(|(at, _)| *at >= from && *at < end);
-        in_window.map(|(at, until)| until.min(&end) - at).sum::<u64>()
+        in_window
+            .map(|(at, until)| until.min(&end) - at)
+            .sum::<u64>()
     });
     let most = most.max().unwrap();
     assert!(most <= 5_000_000, "{most} us");
@@ -184,11 +189,23 @@ fn a_late_end_counts_as_time_and_heat() {
 #[test]
 fn limits_that_cannot_be_are_refused() {
     let bad = [
-        MotorLimits { rated_v: 0.0, ..EASY },
+        MotorLimits {
+            rated_v: 0.0,
+            ..EASY
+        },
         MotorLimits { duty: 1.5, ..EASY },
-        MotorLimits { coil_s: f64::NAN, ..EASY },
-        MotorLimits { travel_um: f64::INFINITY, ..EASY },
-        MotorLimits { burst: Duration::ZERO, ..EASY },
+        MotorLimits {
+            coil_s: f64::NAN,
+            ..EASY
+        },
+        MotorLimits {
+            travel_um: f64::INFINITY,
+            ..EASY
+        },
+        MotorLimits {
+            burst: Duration::ZERO,
+            ..EASY
+        },
     ];
     for limits in bad {
         let made = Guard::of_motors(super::super::HARD, limits, Plant::default(), &places(1));

@@ -68,7 +68,11 @@ mod tests {
                 most = most.max(x.abs());
             }
         }
-        assert!((most / COIN.gain(hz) - 1.0).abs() < 1e-5, "{most} {}", COIN.gain(hz));
+        assert!(
+            (most / COIN.gain(hz) - 1.0).abs() < 1e-5,
+            "{most} {}",
+            COIN.gain(hz)
+        );
     }
 
     #[test]

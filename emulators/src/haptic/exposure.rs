@@ -65,7 +65,10 @@ mod tests {
         ];
         for (hz, listed) in table {
             let found = weight(hz);
-            assert!((found / listed - 1.0).abs() < 0.05, "{hz} Hz: {found} {listed}");
+            assert!(
+                (found / listed - 1.0).abs() < 0.05,
+                "{hz} Hz: {found} {listed}"
+            );
         }
     }
 

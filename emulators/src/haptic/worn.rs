@@ -161,6 +161,21 @@ impl WornMotors {
         })
     }
 
+    /// Does something to the switch before a motor's driver; nothing where there is none.
+    ///
+    /// # Errors
+    /// [`Error::BusBusy`] from inside a look at the segment.
+    pub fn on_switch(&self, motor: usize, work: impl FnOnce(&mut Tca9548a)) -> Result<(), Error> {
+        let behind = self.places.get(motor).and_then(|place| place.behind);
+        self.bus.with(|segment| {
+            let mut switches = segment.muxes_mut().iter_mut();
+            let found = switches.find(|mux| behind.is_some_and(|own| own.0 == mux.address()));
+            if let Some(switch) = found {
+                work(switch);
+            }
+        })
+    }
+
     /// Takes the stimulus that the person met since the last onset, felt or not, and begins the next one.
     pub fn onset(&mut self) -> Option<Felt> {
         self.feeler.as_mut().and_then(Feeler::onset)

@@ -104,6 +104,14 @@ kinds! {
     FaceSensorStale = "face-sensor-stale" [] [],
     /// A shorted transistor of a Peltier module's bridge: it heats with all that its supply gives.
     BridgeShorted = "bridge-shorted" [] [],
+    /// A broken coil or lead of a motor.
+    MotorOpen = "motor-open" ["motor"] [],
+    /// A motor whose mass is jammed.
+    MotorStuck = "motor-stuck" ["motor"] [],
+    /// A motor's driver that is too hot, and drives nothing.
+    DriverHot = "driver-hot" ["motor"] [],
+    /// The I2C switch before a motor's driver, whose channels stay as they are.
+    SwitchStuck = "switch-stuck" ["motor"] [],
 }
 
 /// One fault.
@@ -137,6 +145,8 @@ pub struct Fault {
     pub board: Option<usize>,
     /// A wire, counted from zero over all displays, the first display's wires first.
     pub wire: Option<usize>,
+    /// A motor, counted from zero in the display's order.
+    pub motor: Option<usize>,
     /// Deviation of the clock, parts per million; positive is fast.
     pub ppm: Option<f64>,
     /// Share of the nominal frequency.
@@ -149,7 +159,19 @@ impl FaultKind {
     /// Returns true if it happens to a Peltier module.
     #[must_use]
     pub fn is_of_heat(self) -> bool {
-        self >= Self::FaceSensorOpen
+        (Self::FaceSensorOpen..=Self::BridgeShorted).contains(&self)
+    }
+
+    /// Returns true if it happens to a motor of a bench's `[haptics]`, or to its driver.
+    #[must_use]
+    pub fn is_of_motors(self) -> bool {
+        self >= Self::MotorOpen
+    }
+
+    /// Returns true if it happens to an I2C bus, whatever is on it.
+    #[must_use]
+    pub fn is_of_i2c(self) -> bool {
+        (Self::I2cAddressNack..=Self::I2cStuck).contains(&self)
     }
 
     /// Returns true if it happens to a converter of a bench's `[dac]`.
@@ -186,6 +208,7 @@ impl Fault {
             ("bus", self.bus.map(f64::from)),
             ("board", whole(self.board)),
             ("wire", whole(self.wire)),
+            ("motor", whole(self.motor)),
             ("ppm", self.ppm),
             ("factor", self.factor),
             ("stretch_ms", self.stretch_ms),

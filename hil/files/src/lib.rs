@@ -39,10 +39,10 @@ mod mount;
 mod near;
 mod number;
 mod objects;
+mod on_motors;
 mod opening;
 mod order;
 mod overrides;
-mod on_motors;
 mod own_bench;
 mod pace;
 mod packed;
@@ -89,8 +89,8 @@ pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use band::BandFile;
 pub use bench::{
-    Amplifier, Bench, BenchDac, BenchDisplay, BenchHaptics, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive, HapticDriver, MotorKind,
-    ExternalClock, Network, Output, OutputEnable, Real,
+    Amplifier, Bench, BenchDac, BenchDisplay, BenchHaptics, BenchHeat, BenchKind, BenchUnit,
+    BenchWire, Drive, ExternalClock, HapticDriver, MotorKind, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use clock::Timing;

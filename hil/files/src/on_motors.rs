@@ -39,7 +39,9 @@ impl Loaded<Scene> {
                 bench.name,
                 names.join(", ")
             );
-            return Err(self.source.bad_found("illusion.model", expected, "\"inverse\""));
+            return Err(self
+                .source
+                .bad_found("illusion.model", expected, "\"inverse\""));
         }
         Ok(())
     }

@@ -200,6 +200,10 @@ impl Setup {
             let expected = "nothing for --observe: a unit has a guard of its own";
             return Err(self.bench.source.bad("unit.address", expected));
         }
+        if self.bench.value.haptics.is_some() {
+            let expected = "nothing for --observe: only a guard of wires can look on";
+            return Err(self.bench.source.bad("haptics", expected));
+        }
         if self.bench.value.kind == BenchKind::Real {
             let expected = "\"emulated\": on hardware the guard never only observes";
             return Err(self.bench.source.bad_found("kind", expected, "\"real\""));
@@ -434,6 +438,15 @@ fn check_faults(
         below("wire", fault.wire, bench.outputs.len())?;
         if fault.kind == FaultKind::ClockStopped && bench.drive.clock.is_none() {
             let expected = "a bench that states drive.clock: there is none to stop";
+            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        }
+        below("motor", fault.motor, bench.outputs.len())?;
+        let is_of_wires = fault.kind.is_of_display() && !fault.kind.is_of_i2c();
+        if is_of_wires && fault.kind.is_of_motors() != bench.haptics.is_some() {
+            let expected = match bench.haptics {
+                Some(_) => "a fault that a bench of motors can have: of sensors, I2C or motors",
+                None => "a bench with [haptics]: there is no motor to fail",
+            };
             return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
         }
         if fault.kind.is_of_converters() && bench.dac.is_none() {

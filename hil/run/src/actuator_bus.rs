@@ -101,6 +101,7 @@ impl ActuatorBus {
                 place: &self.place,
                 unit: None,
                 heat: None,
+                motors: None,
             }),
         };
         self.script.step(now, last, &mut bench, events);

@@ -429,6 +429,7 @@ impl DisplayEnd for EmulatedDisplay {
                 place: &self.place,
                 unit: self.driver.unit(),
                 heat: self.heat.as_ref().map(EmulatedHeat::module),
+                motors: None,
             }),
         };
         self.script.step(now, last, &mut bench, events);

@@ -7,6 +7,8 @@ use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
 use palpate_emulators::display::pca9685::Pca9685;
 use palpate_emulators::display::peltier::{PeltierHandle, SensorDefect};
+use palpate_emulators::haptic::MotorFault;
+use palpate_emulators::haptic::worn::WornMotors;
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
@@ -44,6 +46,8 @@ pub struct FaultyDisplay<'a> {
     pub unit: Option<&'a mut RemoteUnit>,
     /// The Peltier module, where the bench has one.
     pub heat: Option<PeltierHandle>,
+    /// The motors, where the bench has them.
+    pub motors: Option<&'a WornMotors>,
 }
 
 /// Rules of the CAN fault layer for a fault, by identifier.
@@ -110,6 +114,28 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
     };
     module.with(|module| module.set_sensor(begins.then_some(defect)));
     begins
+}
+
+/// Does a fault to a motor, its driver or the switch before it, or mends it.
+pub(super) fn on_motor(bench: &Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
+    let motors = bench.display.as_ref().and_then(|d| d.motors);
+    let Some((motors, motor)) = motors.zip(fault.motor) else {
+        return;
+    };
+    let at = Nanos::from(now);
+    let done = match fault.kind {
+        FaultKind::SwitchStuck => motors.on_switch(motor, |switch| switch.set_stuck(begins)),
+        FaultKind::DriverHot => motors.on_chip(motor, |chip| chip.set_hot(at, begins)),
+        kind => motors.on_chip(motor, |chip| {
+            let broken = match kind {
+                FaultKind::MotorStuck => MotorFault::Stuck,
+                _ => MotorFault::Open,
+            };
+            chip.motor_mut().set_fault(begins.then_some(broken));
+        }),
+    };
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = done;
 }
 
 /// Does a fault to a converter of the display, or mends it.

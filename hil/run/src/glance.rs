@@ -49,6 +49,7 @@ impl Summary {
 
     fn glance(&self) -> [(&'static str, String); 6] {
         let session = match self.stimuli {
+            0 if self.motors.is_some() => "- (no motor was driven)".to_owned(),
             0 => "- (no wire was driven)".to_owned(),
             _ => self.session_words(),
         };
@@ -56,8 +57,14 @@ impl Summary {
             ("path error", self.path_words()),
             ("felt", self.felt_words()),
             ("felt error", self.felt_error_words()),
-            ("hottest skin", self.skin_words()),
-            ("longest session", session),
+            match &self.motors {
+                Some(motors) => ("motors", motors.short()),
+                None => ("hottest skin", self.skin_words()),
+            },
+            match &self.motors {
+                Some(motors) if self.stimuli > 0 => ("exposure", motors.words()),
+                _ => ("longest session", session),
+            },
             ("next", self.next().to_owned()),
         ]
     }

@@ -10,7 +10,7 @@ use palpate_emulators::haptic::exposure::Exposure;
 use palpate_emulators::haptic::worn::{MotorPlace, WornMotors};
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_files::{BenchHaptics, Setup};
+use palpate_files::{BenchHaptics, Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::trace::Event;
@@ -18,10 +18,11 @@ use serde::Serialize;
 
 use crate::boards;
 use crate::display_end::{DisplayEnd, I2C_LOG};
-use crate::effects::Faultable;
+use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel};
 use crate::output_enable::OutputEnable;
+use crate::place::Place;
 use crate::plan::motors;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
@@ -61,13 +62,22 @@ pub struct MotorReport {
 }
 
 impl MotorReport {
+    /// Motion and heat in a line of a terminal.
+    pub(crate) fn short(&self) -> String {
+        format!(
+            "{:.0} um at most; coil {:.1} K over the air",
+            self.face_um, self.coil_rise_k
+        )
+    }
+
+    /// Exposure in a line of a terminal.
     pub(crate) fn words(&self) -> String {
         let hours = match self.action_h {
-            Some(hours) if hours < 24.0 => format!("{hours:.1} h of this a day"),
-            _ => "a day and more of this".to_owned(),
+            Some(hours) if hours < 24.0 => format!("after {hours:.1} h of it"),
+            _ => "not in a day of it".to_owned(),
         };
         format!(
-            "A(8) {:.2} m/s2 by this run alone; the action value of 2.5 m/s2 after {hours}",
+            "A(8) {:.2} m/s2; action value 2.5 {hours}",
             self.exposure_m_s2
         )
     }
@@ -76,7 +86,10 @@ impl MotorReport {
 /// Drivers and motors on a person's finger.
 pub(crate) struct EmulatedMotors {
     worn: WornMotors,
+    i2c: Shared<I2cHandle>,
     driver: Haptics<Shared<I2cHandle>>,
+    drive: Drive,
+    place: Place,
     haptics: BenchHaptics,
     script: Script,
     /// The onset whose stimulus is still felt.
@@ -102,8 +115,12 @@ impl EmulatedMotors {
         let person = motors::wearer(setup, haptics);
         worn.worn_by(person).map_err(|e| bad(e.to_string()))?;
         let layer = I2cFault::new(worn.bus(), I2cFaults::default(), seed, "actuator bus");
-        let driver = Haptics::new(Shared::new(layer), &motors::channels(haptics));
+        let i2c = Shared::new(layer);
+        let driver = Haptics::new(i2c.clone(), &motors::channels(haptics));
         Ok(Self {
+            drive: bench.drive,
+            place: Place::whole(bench),
+            i2c,
             driver: driver.map_err(|e| bad(e.to_string()))?,
             full: FullDrive::of(full_energy(setup, haptics, projector), projector),
             script: Script::new(&setup.scene.value.faults, projector.layout()),
@@ -150,12 +167,7 @@ impl EmulatedMotors {
     pub(crate) fn margins(&self) -> Vec<Margin> {
         let (totals, haptics) = (self.worn.totals(), &self.haptics);
         vec![
-            // One step of the clamp's code.
-            Margin::new(
-                Limited::MotorVoltage,
-                totals.drive_v,
-                haptics.overdrive_v,
-            ),
+            Margin::new(Limited::MotorVoltage, totals.drive_v, haptics.overdrive_v),
             Margin::new(Limited::MotorTravel, totals.contactor_um, haptics.travel_um),
             Margin::new(Limited::CoilRise, totals.coil_rise_k, haptics.coil_rise_k),
         ]
@@ -207,7 +219,16 @@ impl DisplayEnd for EmulatedMotors {
     fn fail(&mut self, now: Instant, last: bool, skin: FaultySkin<'_>, events: &mut Vec<Event>) {
         let mut bench = Faultable {
             skin,
-            display: None,
+            display: Some(FaultyDisplay {
+                i2c: &self.i2c,
+                chips: self.worn.bus(),
+                worn: None,
+                drive: self.drive,
+                place: &self.place,
+                unit: None,
+                heat: None,
+                motors: Some(&self.worn),
+            }),
         };
         self.script.step(now, last, &mut bench, events);
     }
@@ -244,7 +265,8 @@ fn full_energy(setup: &Setup, haptics: &BenchHaptics, projector: &Projector) -> 
         let mut now = begin + Nanos::from_micros(10_000);
         alone.advance(now).ok()?;
         alone.onset();
-        bus.write(ADDRESS, &[RTP_INPUT, GuardedVibration::FULL]).ok()?;
+        bus.write(ADDRESS, &[RTP_INPUT, GuardedVibration::FULL])
+            .ok()?;
         now = now + Nanos::from_micros(projector.timing().duration.as_micros());
         alone.advance(now).ok()?;
         bus.write(ADDRESS, &[RTP_INPUT, 0]).ok()?;

@@ -11,7 +11,9 @@ use palpate_emulators::sensor::rig::SkinBus;
 use palpate_records::trace::Event;
 use serde::Serialize;
 
-use super::effects::{Faultable, counter, i2c_kind, on_chip, on_converter, on_module, rules};
+use super::effects::{
+    Faultable, counter, i2c_kind, on_chip, on_converter, on_module, on_motor, rules,
+};
 use palpate_files::{Drive, Fault, FaultKind};
 
 /// Duration of a momentary fault where the scene does not say: a reboot, a bus-off host.
@@ -258,6 +260,7 @@ impl Script {
                 }
             }
             (kind, _) if kind.is_of_converters() => on_converter(bench, &fault, now, begins),
+            (kind, _) if kind.is_of_motors() => on_motor(bench, &fault, now, begins),
             (kind, _) if kind.is_of_heat() => once = on_module(bench, kind, begins),
             (kind, _) => {
                 once = false;

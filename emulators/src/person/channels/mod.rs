@@ -17,10 +17,10 @@ mod train;
 mod wire;
 
 use crate::display::solver::stretch::Stretch;
+pub(super) use filter::gains;
 use gauss::Gauss;
 use palpate_core::physics::ParameterError;
 use palpate_core::vector::Vectors;
-pub(super) use filter::gains;
 pub(super) use piece::LEAK_S;
 use piece::Tables;
 pub use threshold::{AreaThreshold, sine_threshold_um};

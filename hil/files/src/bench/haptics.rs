@@ -93,20 +93,6 @@ settings! {
     default
 }
 
-/// Tables of a bench of wires.
-const OF_WIRES: [&str; 10] = [
-    "wire",
-    "mount",
-    "amplifier",
-    "dac",
-    "outputs",
-    "heat",
-    "unit",
-    "displays",
-    "band",
-    "drive",
-];
-
 /// Most motors of one finger.
 const MOST: usize = 16;
 
@@ -155,9 +141,8 @@ impl BenchHaptics {
             source.range(&at("channel"), &driver.channel, 0..=CHANNELS - 1, "")?;
             let before = self.drivers[..index].iter();
             if let Some(motor) = before.clone().position(|other| other == driver) {
-                let expected = format!(
-                    "a channel of its own: motor {motor} has this channel of this switch"
-                );
+                let expected =
+                    format!("a channel of its own: motor {motor} has this channel of this switch");
                 return Err(source.bad(&at("channel"), expected));
             }
         }
@@ -166,18 +151,36 @@ impl BenchHaptics {
 }
 
 impl Bench {
+    /// A key by which the bench says something of wires.
+    fn of_wires(&self) -> Option<&'static str> {
+        let plain = Self::default();
+        [
+            ("wire", self.wire != plain.wire),
+            ("mount", self.mount != plain.mount),
+            ("drive", self.drive != plain.drive),
+            ("amplifier", self.amplifier != plain.amplifier),
+            ("dac", self.dac.is_some()),
+            ("unit", self.unit.is_some()),
+            ("heat", self.heat.is_some()),
+            ("displays", !self.displays.is_empty()),
+            ("band", self.band.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(key, stated)| stated.then_some(key))
+    }
+
     /// Checks the motors of a bench of `actuators`, and that nothing of wires stands beside them.
     pub(super) fn check_haptics(
         &mut self,
         source: &Source,
         actuators: usize,
     ) -> Result<(), FileError> {
+        let of_wires = self.of_wires();
         let Some(haptics) = &mut self.haptics else {
             return Ok(());
         };
-        if let Some(key) = OF_WIRES.into_iter().find(|key| source.states(key)) {
-            let expected =
-                "nothing beside [haptics]: a finger has actuators of one kind, and this is of wires";
+        if let Some(key) = of_wires {
+            let expected = "nothing beside [haptics]: a finger has actuators of one kind, and this is of wires";
             return Err(source.bad(key, expected));
         }
         if self.kind == BenchKind::Real {
@@ -193,7 +196,10 @@ impl Bench {
             return Ok(());
         }
         let found = haptics.drivers.len().to_string();
-        let expected = format!("{actuators} drivers, one for each place of `{}`", self.display);
+        let expected = format!(
+            "{actuators} drivers, one for each place of `{}`",
+            self.display
+        );
         Err(source.bad_found("haptics.drivers", expected, found))
     }
 }

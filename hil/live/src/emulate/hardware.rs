@@ -116,6 +116,7 @@ impl<'a> Hardware<'a> {
                     place: &self.place,
                     unit: None,
                     heat: None,
+                motors: None,
                 }),
             },
             &mut events,

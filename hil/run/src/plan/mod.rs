@@ -365,7 +365,12 @@ pub fn untextured(
         let guard = guard.map_err(no_guard(setup))?;
         let peak = milliamps(bench.drive.current_ma);
         let output = illusion::output(setup, &display, &guard, peak, (None, responses))?;
-        return Ok(assembled(setup, seed, levels, (layout, view, display, output, guard)));
+        return Ok(assembled(
+            setup,
+            seed,
+            levels,
+            (layout, view, display, output, guard),
+        ));
     }
     let own = guarded(setup, pattern.map(|p| p.prescale()))?;
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
@@ -393,7 +398,12 @@ pub fn untextured(
     if pattern.is_none() {
         output.timing.duration = prescale.counted(output.timing.duration);
     }
-    Ok(assembled(setup, seed, levels, (layout, view, display, output, guard)))
+    Ok(assembled(
+        setup,
+        seed,
+        levels,
+        (layout, view, display, output, guard),
+    ))
 }
 
 /// Failure of a bench whose hardware no guard protects.
