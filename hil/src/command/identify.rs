@@ -122,6 +122,7 @@ fn subject(args: &IdentifyArgs) -> Result<Subject, Failure> {
     }
     // A wire needs no scene, but a bench is checked with one.
     let setup = Setup::load("idle", &args.bench)?.with(&overrides)?;
+    plan::wires_only(&setup.bench)?;
     Ok(Subject {
         wire: plan::wire(&setup),
         tissue: setup.bench.value.tissue.parameters(),

@@ -54,8 +54,10 @@ fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
     })
 }
 
-fn has_one_display(bench: &str) -> Result<bool, Failure> {
-    Ok(load_bench(bench)?.value.displays.is_empty())
+/// Tells whether a page can show a bench: one finger, with wires.
+fn is_shown(bench: &str) -> Result<bool, Failure> {
+    let bench = load_bench(bench)?.value;
+    Ok(bench.displays.is_empty() && bench.haptics.is_none())
 }
 
 /// Reads the shelves.
@@ -67,8 +69,7 @@ pub fn shelves() -> Result<Shelves, Failure> {
     for scene in shelf(FileKind::Scene) {
         let file = load_scene(&scene.name)?.value;
         let (own, texture) = (file.own_bench(), file.texture.is_some());
-        // A page has one finger.
-        if !has_one_display(own)? {
+        if !is_shown(own)? {
             continue;
         }
         let bench = (own != DEFAULT_BENCH).then(|| own.to_owned());
@@ -87,7 +88,7 @@ pub fn shelves() -> Result<Shelves, Failure> {
     }
     let mut benches = Vec::new();
     for bench in shelf(FileKind::Bench) {
-        if has_one_display(&bench.name)? {
+        if is_shown(&bench.name)? {
             benches.push(bench);
         }
     }

@@ -65,6 +65,7 @@ impl Calibration {
         seed: u64,
     ) -> Result<Self, Failure> {
         refuse_hardware(&setup.bench.value)?;
+        plan::wires_only(&setup.bench)?;
         plan::display(&setup)?;
         // Every draw begins as after a hot pass, where the bench has one.
         if pass::is_due(&setup) && pass::lasts(&setup) {

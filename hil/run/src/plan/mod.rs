@@ -139,6 +139,18 @@ pub fn one_display(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Resul
     ))
 }
 
+/// Refuses a bench of motors.
+///
+/// # Errors
+/// [`Failure::File`] with the line of its motors.
+pub fn wires_only(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Result<(), Failure> {
+    if bench.value.haptics.is_none() {
+        return Ok(());
+    }
+    let expected = "a bench of wires: motors run scenes (`hil run`, `sweep`, `test`, `study`) and no more";
+    Err(Failure::File(bench.source.bad("haptics", expected)))
+}
+
 /// The display's wires with the outputs that drive them.
 ///
 /// # Errors
