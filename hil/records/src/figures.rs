@@ -79,10 +79,15 @@ pub fn figures(trace: &Trace) -> Vec<Figure> {
     let mut all = vec![
         Figure::count("stimuli", ledger.driven.stimuli),
         Figure::count("limiter events", ledger.driven.limiter_events.into()),
-        Figure::total("largest duty", Some(duty), "%"),
-        Figure::total("energy", Some(energy), "mJ"),
-        Figure::total("hottest wire", hottest, "C"),
     ];
+    match trace.header.motors {
+        true => all.push(Figure::total("largest level", Some(duty), "%")),
+        false => all.extend([
+            Figure::total("largest duty", Some(duty), "%"),
+            Figure::total("energy", Some(energy), "mJ"),
+            Figure::total("hottest wire", hottest, "C"),
+        ]),
+    }
     all.extend(ledger.margins.iter().map(Figure::of_margin));
     all
 }

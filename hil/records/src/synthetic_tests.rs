@@ -66,6 +66,7 @@ pub(crate) fn empty() -> Trace {
             displays: Vec::new(),
             joints: Vec::new(),
             warmth: false,
+            motors: false,
         },
         events: Vec::new(),
         ledger: Ledger::default(),

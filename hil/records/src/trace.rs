@@ -117,6 +117,27 @@ pub struct Header {
     pub joints: Vec<String>,
     /// `true` where a Peltier module is under the fingertip.
     pub warmth: bool,
+    /// `true` where the display has motors in place of wires: widths are their levels, of 4096 for the highest.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub motors: bool,
+}
+
+impl Header {
+    /// Noun for one actuator of the display.
+    pub const fn actuator(&self) -> &'static str {
+        match self.motors {
+            true => "motor",
+            false => "wire",
+        }
+    }
+
+    /// Noun for the strength of a stimulus, which is a share of all there is.
+    pub const fn strength(&self) -> &'static str {
+        match self.motors {
+            true => "level",
+            false => "duty",
+        }
+    }
 }
 
 /// A register value and its clock as integers.

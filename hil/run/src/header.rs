@@ -100,5 +100,6 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         displays: Vec::new(),
         joints: scene.joints.iter().map(|j| j.name.clone()).collect(),
         warmth: bench.heat.is_some(),
+        motors: bench.haptics.is_some(),
     })
 }

@@ -28,6 +28,8 @@ use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
 
+/// Time after power-on in which drivers wake.
+const AWAKE: Nanos = Nanos::from_micros(1000);
 /// Time in which a driven motor comes to rest.
 const REST: Nanos = Nanos::from_micros(200_000);
 
@@ -114,6 +116,8 @@ impl EmulatedMotors {
         let mut worn = WornMotors::new(&motor, contact, &motors::places(setup, haptics));
         let person = motors::wearer(setup, haptics);
         worn.worn_by(person).map_err(|e| bad(e.to_string()))?;
+        // The drivers wake before the run begins.
+        worn.advance(AWAKE).map_err(|e| bad(e.to_string()))?;
         let layer = I2cFault::new(worn.bus(), I2cFaults::default(), seed, "actuator bus");
         let i2c = Shared::new(layer);
         let driver = Haptics::new(i2c.clone(), &motors::channels(haptics));
@@ -257,12 +261,11 @@ fn full_energy(setup: &Setup, haptics: &BenchHaptics, projector: &Projector) -> 
         alone.worn_by(motors::wearer(setup, haptics)).ok()?;
         let mut channel = *motors::channels(haptics).first()?;
         channel.behind = None;
-        let begin = Nanos::from_micros(1000);
-        alone.advance(begin).ok()?;
+        alone.advance(AWAKE).ok()?;
         let mut driver = Haptics::new(alone.bus(), &[channel]).ok()?;
         driver.start(Instant::ZERO).ok()?;
         let mut bus = alone.bus();
-        let mut now = begin + Nanos::from_micros(10_000);
+        let mut now = AWAKE + Nanos::from_micros(10_000);
         alone.advance(now).ok()?;
         alone.onset();
         bus.write(ADDRESS, &[RTP_INPUT, GuardedVibration::FULL])

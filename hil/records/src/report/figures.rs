@@ -51,7 +51,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
         "M8 1l10 10M8 11l10 -10",
         "nothing felt, outside the display",
     );
-    line_key(&mut legend, "wire", "wire");
+    line_key(&mut legend, "wire", trace.header.actuator());
     let _ = writeln!(
         page,
         "<section><h2>Felt path on the display</h2>\n\
@@ -172,7 +172,11 @@ pub(super) fn schedule(page: &mut String, trace: &Trace) {
     let all = bursts(trace);
     let mut legend = String::new();
     let solid = "M7 12v-10h12v10z";
-    path_key(&mut legend, "burst", solid, "burst, height is pulse width");
+    let height = match trace.header.motors {
+        true => "burst, height is level",
+        false => "burst, height is pulse width",
+    };
+    path_key(&mut legend, "burst", solid, height);
     path_key(
         &mut legend,
         "burst cut",
@@ -190,10 +194,14 @@ pub(super) fn schedule(page: &mut String, trace: &Trace) {
     path_key(&mut legend, "mark note-mark", "M13 0v12", "note");
     path_key(&mut legend, "mark off-mark", "M13 0v12", "all off");
     let length = measure::length_us(trace);
+    let words = match trace.header.motors {
+        true => "One row a motor; a bar is a burst, as high as its level. On the right the highest level of the motor.",
+        false => "One row a wire; a bar is a burst of pulses, as high \
+             as its pulses are wide. On the right the largest duty of the wire.",
+    };
     let _ = writeln!(
         page,
-        "<section><h2>Schedule</h2><p class=\"sub\">One row a wire; a bar is a burst of pulses, as high \
-         as its pulses are wide. On the right the largest duty of the wire.</p>\n{}",
+        "<section><h2>Schedule</h2><p class=\"sub\">{words}</p>\n{}",
         strip::schedule(trace, &all, (0, length))
     );
     if let Some((from, to)) = strip::detail(trace, &all) {

@@ -73,7 +73,8 @@ pub(super) fn schedule(trace: &Trace, all: &[Burst], span: (u64, u64)) -> String
     let widest = widest.unwrap_or(0).max(1);
     let most = names(trace, &mut plot, &wires);
     for (row, wire) in wires.iter().enumerate() {
-        wire_row(&mut plot, all, (row + 2, *wire), span, widest);
+        let name = format!("{} {wire}", trace.header.actuator());
+        wire_row(&mut plot, (all, &name), (row + 2, *wire), span, widest);
     }
     contact_row(trace, &mut plot, most, span);
     event_row(trace, all, &mut plot, span);
@@ -89,12 +90,13 @@ pub(super) fn schedule(trace: &Trace, all: &[Burst], span: (u64, u64)) -> String
 /// Writes the names of the rows, and the most taxels in contact.
 fn names(trace: &Trace, plot: &mut TimePlot, wires: &[u16]) -> u16 {
     let fixed = ["events".to_owned(), "taxels".to_owned()];
-    let wires = wires.iter().map(|w| format!("wire {w}"));
+    let actuator = trace.header.actuator();
+    let wires = wires.iter().map(|w| format!("{actuator} {w}"));
     for (row, name) in fixed.into_iter().chain(wires).enumerate() {
         plot.row_name(row, &name);
         plot.across(base(row) + 300, "ruling");
     }
-    plot.row_note(0, "duty, peak");
+    plot.row_note(0, &format!("{}, peak", trace.header.strength()));
     let most = trace.each().map(|frame: &event::Frame| frame.in_contact);
     let most = most.max().unwrap_or(0);
     plot.row_note(1, &format!("\u{2264} {most}"));
@@ -103,7 +105,7 @@ fn names(trace: &Trace, plot: &mut TimePlot, wires: &[u16]) -> u16 {
 
 fn wire_row(
     plot: &mut TimePlot,
-    all: &[Burst],
+    (all, name): (&[Burst], &str),
     (row, wire): (usize, u16),
     span: (u64, u64),
     widest: u16,
@@ -126,10 +128,9 @@ fn wire_row(
             cut.add(of, height, base, column);
         }
     }
-    let name = format!("wire {wire}");
-    plot.path("bars", &name, "burst", &whole.finish(base));
-    plot.path("bars", &name, "burst cut", &cut.finish(base));
-    let name = format!("wire {wire}, requested");
+    plot.path("bars", name, "burst", &whole.finish(base));
+    plot.path("bars", name, "burst cut", &cut.finish(base));
+    let name = format!("{name}, requested");
     plot.path("bars", &name, "asked", &asked.finish(base));
     let text = if peak > 0 {
         format!("\u{2264} {:.2} %", duty(peak))

@@ -66,6 +66,9 @@ pub(super) fn made(page: &mut String, trace: &Trace, made: &[(&'static str, Stri
     page.push_str("</section>\n");
 }
 
+/// Facts of pulses, which motors have none of.
+const PULSES: [&str; 2] = ["PWM, true", "pulse period"];
+
 /// Facts of the run, and of the making of the page.
 fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
     let h = &trace.header;
@@ -106,6 +109,8 @@ fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
         ("scene digest", h.scene_digest.clone()),
         ("limits digest", h.limits_digest.clone()),
     ];
+    let of_pulses = |name: &str| PULSES.contains(&name);
+    let facts = facts.into_iter().filter(|(name, _)| !h.motors || !of_pulses(name));
     for (name, value) in made.iter().cloned().chain(facts) {
         let long = if value.len() > 40 {
             " class=\"long\""

@@ -118,6 +118,7 @@ pub fn read_schedule(
             displays: Vec::new(),
             joints: Vec::new(),
             warmth: false,
+            motors: false,
         },
         events,
         ledger: Ledger {
