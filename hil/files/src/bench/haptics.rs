@@ -74,7 +74,7 @@ settings! {
         /// Stiffness of the skin under it, N/m.
         pub skin_n_m: f64 = 1000.0,
         /// Damping of the skin under it, N s/m.
-        pub skin_ns_m: f64 = 1.5,
+        pub skin_ns_m: f64 = 1.0,
         /// Largest amplitude of the face, um.
         pub travel_um: f64 = 300.0,
         /// Largest rise of the coil, K.
