@@ -13,6 +13,9 @@ use tungstenite::{Message, WebSocket, client};
 use super::serve::{Served, served};
 use super::*;
 
+/// Time and payload of messages, by topic.
+type Messages = BTreeMap<String, Vec<(u64, Vec<u8>)>>;
+
 fn connected(run: &Served) -> WebSocket<TcpStream> {
     let mut request = format!("ws://{}/", run.host).into_client_request().unwrap();
     let protocol = "foxglove.sdk.v1".parse().unwrap();
@@ -23,8 +26,8 @@ fn connected(run: &Served) -> WebSocket<TcpStream> {
 }
 
 /// Everything that comes until the run is over: messages by topic, with their times in nanoseconds, and the last words.
-fn listened(socket: &mut WebSocket<TcpStream>) -> (BTreeMap<String, Vec<(u64, Vec<u8>)>>, String) {
-    let (mut topics, mut got) = (BTreeMap::new(), BTreeMap::<String, Vec<_>>::new());
+fn listened(socket: &mut WebSocket<TcpStream>) -> (Messages, String) {
+    let (mut topics, mut got) = (BTreeMap::new(), Messages::new());
     loop {
         match socket.read().unwrap() {
             Message::Text(text) => {

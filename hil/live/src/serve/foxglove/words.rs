@@ -1,4 +1,4 @@
-//! Messages of the [Foxglove WebSocket protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md), version 1:
+//! Messages of the [Foxglove WebSocket protocol](https://github.com/foxglove/ws-protocol), version 1:
 //! objects in text say what there is, and binary messages carry data.
 
 use data_encoding::BASE64;
