@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             weight: 1.0,
         };
         output.hear(now); // the target is alive
-        output.poll(now, &[point], None, &mut Paper, &mut ())?;
+        output.turn(now, &[point], None, &mut Paper, &mut ())?;
         now = output.next();
     }
     output.all_off(end, Cause::End, &mut Paper, &mut ())?;

@@ -140,6 +140,9 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 /// Default address at which a page is served.
 const SERVE_AT: &str = "127.0.0.1:8137";
 
+/// Port of `--foxglove` without a value.
+const FOXGLOVE_AT: &str = "8765";
+
 /// Parses the address at which a page is served.
 fn serve_at(text: &str) -> Result<SocketAddr, String> {
     palpate_live::serve::address(text)
@@ -385,6 +388,11 @@ pub struct RunArgs {
     /// wall clock.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = SERVE_AT, value_parser = serve_at)]
     pub serve: Option<SocketAddr>,
+    /// Show the run in Foxglove as it goes, at PORT of this computer (default: 8765; port 0 takes a free one): its WebSocket
+    /// protocol, with the topics of a record. It begins when a client connects there. An emulated run then keeps to the wall
+    /// clock. Benches with one display.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = FOXGLOVE_AT, conflicts_with = "again")]
+    pub foxglove: Option<u16>,
     /// Open the page in this computer's browser (xdg-open).
     #[arg(long, requires = "serve")]
     pub open: bool,

@@ -19,6 +19,8 @@ mod figures;
 mod files;
 #[path = "cli/fingers.rs"]
 mod fingers;
+#[path = "cli/foxglove.rs"]
+mod foxglove;
 #[path = "cli/hardware.rs"]
 mod hardware;
 #[path = "cli/identify.rs"]

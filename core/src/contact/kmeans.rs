@@ -59,7 +59,7 @@ pub struct Outcome {
 
 /// Bounds by which assignments are known without looking at the points again.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct Bounds {
     /// Lower bound, over all points, of the distance to the second nearest
     /// centroid less that to the nearest, mm; 0 where not measured.
     margin: f32,
@@ -67,7 +67,7 @@ struct Known {
     moved: f32,
 }
 
-impl Known {
+impl Bounds {
     /// Tells whether another pass could change no assignment. Two
     /// distances change by at most what their centroids move.
     fn holds(self) -> bool {
@@ -89,7 +89,7 @@ pub struct KMeans {
     nearest: Vec<f32>,
     assigned: Vec<u32>,
     previous: Vec<u32>,
-    known: Option<Known>,
+    bounds: Option<Bounds>,
 }
 
 impl KMeans {
@@ -106,7 +106,7 @@ impl KMeans {
             nearest: alloc::vec![0.0; points],
             assigned: alloc::vec![0; points],
             previous: alloc::vec![0; points],
-            known: None,
+            bounds: None,
         }
     }
 
@@ -119,7 +119,7 @@ impl KMeans {
 
     /// Centroids to start from, mm; those beyond the room made are dropped.
     pub fn set_centroids(&mut self, places: impl Iterator<Item = (f32, f32)>) {
-        self.known = None;
+        self.bounds = None;
         self.cx.clear();
         self.cy.clear();
         for (x, y) in places.take(self.most_clusters) {
@@ -184,7 +184,7 @@ impl KMeans {
 
     /// Lloyd's iteration from the present centroids. Points beyond the room made are not looked at.
     pub fn solve(&mut self, points: Points<'_>, stop: Stop) -> Outcome {
-        self.known = None;
+        self.bounds = None;
         self.iterate::<false>(points, stop)
     }
 
@@ -207,7 +207,7 @@ impl KMeans {
             settled: nothing,
         };
         while !outcome.converged && outcome.iterations < stop.max_iterations.max(1) {
-            let same = if self.known.is_some_and(Known::holds) {
+            let same = if self.bounds.is_some_and(Bounds::holds) {
                 true
             } else {
                 core::mem::swap(&mut self.assigned, &mut self.previous);
@@ -243,7 +243,7 @@ impl KMeans {
             #[inline(always)]
             || passes::assign::<MARGIN>(places, centroids, near, assigned),
         );
-        self.known = Some(Known { margin, moved: 0.0 });
+        self.bounds = Some(Bounds { margin, moved: 0.0 });
     }
 
     /// (4.7) with the sum of weights below the line; returns the J of (4.8), and whether any centroid is another.
@@ -277,9 +277,9 @@ impl KMeans {
             changed |= (x, y) != (self.cx[k], self.cy[k]);
             (self.cx[k], self.cy[k]) = (x, y);
         }
-        if let Some(known) = &mut self.known {
+        if let Some(bounds) = &mut self.bounds {
             // A move too small to have a length still is one.
-            known.moved += farthest + if changed { f32::MIN_POSITIVE } else { 0.0 };
+            bounds.moved += farthest + if changed { f32::MIN_POSITIVE } else { 0.0 };
         }
         (0.5 * moved, changed)
     }
@@ -307,7 +307,7 @@ impl KMeans {
             self.nearest[i] = 0.0;
             passes::add(&mut self.sums, k as u32, point);
         }
-        self.known = None; // an empty cluster's own distance says nothing
+        self.bounds = None; // an empty cluster's own distance says nothing
     }
 
     /// Centroids, mm.

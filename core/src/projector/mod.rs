@@ -218,7 +218,7 @@ impl Projector {
     }
 
     /// Does all that is due at `now`: takes every scan that has come, projects the newest contacts when an onset is
-    /// due, ends what has ended. Returns whether an onset was. The guard stops or only looks on as in [`Output::poll`].
+    /// due, ends what has ended. Returns whether an onset was. The guard stops or only looks on as in [`Output::turn`].
     ///
     /// # Errors
     /// The first error of an end, after switching everything off.
@@ -289,7 +289,7 @@ impl Projector {
         let texture = self.sensing.texture(now);
         let targets = &self.targets[..count];
         self.output
-            .poll(now, targets, texture.as_ref(), actuators, observer)
+            .turn(now, targets, texture.as_ref(), actuators, observer)
     }
 
     /// Switches everything off, now, and keeps it off until [`Self::reset`].

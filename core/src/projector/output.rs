@@ -79,7 +79,7 @@ pub struct OutputSettings {
 /// let (mut board, mut now) = (Count(0), Instant::ZERO);
 /// while now < Instant::from_micros(585_000) {
 ///     output.hear(now);
-///     output.poll(now, &[between], None, &mut board, &mut ()).unwrap();
+///     output.turn(now, &[between], None, &mut board, &mut ()).unwrap();
 ///     now = output.next();
 /// }
 /// assert_eq!(board.0, 10); // five onsets, five ends
@@ -217,7 +217,7 @@ impl Output {
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.
-    pub fn poll<U: Update, A: Actuators<U> + ?Sized>(
+    pub fn turn<U: Update, A: Actuators<U> + ?Sized>(
         &mut self,
         now: Instant,
         targets: &[Target],

@@ -72,7 +72,7 @@ fn play(output: &mut Output, ms: u64, touched: impl Fn(u64) -> bool) -> Vec<(u64
         output.hear(at);
         let targets: &[Target] = if touched(now) { &[TOUCH] } else { &[] };
         output
-            .poll(at, targets, None, &mut Boards, &mut told)
+            .turn(at, targets, None, &mut Boards, &mut told)
             .unwrap();
     }
     told.0

@@ -98,7 +98,7 @@ fn driving(boards: &mut Boards, told: &mut Told) -> Output {
     for now in [0, 10_000] {
         output.hear(us(now));
         output
-            .poll(us(now), &[BETWEEN], None, boards, told)
+            .turn(us(now), &[BETWEEN], None, boards, told)
             .unwrap();
     }
     assert_eq!((boards.updates, boards.offs), (2, 0));
@@ -132,7 +132,7 @@ fn what_could_not_be_switched_off_is_told_once_it_is_known_to_be() {
         let mut output = driving(&mut boards, &mut told);
         boards.fails = (true, true);
         output.hear(us(35_000));
-        let error = output.poll(us(35_000), &[], None, &mut boards, &mut told);
+        let error = output.turn(us(35_000), &[], None, &mut boards, &mut told);
         assert_eq!(error, Err(Failed("update")));
         // Nor is it known after the next try, whose cause does not come first.
         let again = output.all_off(us(40_000), Cause::End, &mut boards, &mut told);
@@ -173,7 +173,7 @@ fn an_end_that_arrives_late_stops_for_an_overrun_and_only_the_owner_ends_that() 
         boards.late_us = late;
         output.hear(us(35_000));
         output
-            .poll(us(35_000), &[BETWEEN], None, &mut boards, &mut told)
+            .turn(us(35_000), &[BETWEEN], None, &mut boards, &mut told)
             .unwrap();
         assert_eq!(boards.offs, u32::from(over));
         if !over {
@@ -186,7 +186,7 @@ fn an_end_that_arrives_late_stops_for_an_overrun_and_only_the_owner_ends_that() 
         boards.late_us = 0;
         output.hear(us(58_500));
         output
-            .poll(us(58_500), &[BETWEEN], None, &mut boards, &mut told)
+            .turn(us(58_500), &[BETWEEN], None, &mut boards, &mut told)
             .unwrap();
         assert_eq!(told.entries.last().unwrap().reason, Some(Reason::Latched));
         assert_eq!((boards.updates, boards.offs), (4, 1));
@@ -206,7 +206,7 @@ fn a_wire_that_is_not_known_to_be_off_is_looked_at_until_it_is() {
         .unwrap_err();
     let mut look = |output: &mut Output, boards: &mut Boards, now: u64| {
         output.hear(us(now));
-        output.poll(us(now), &[], None, boards, &mut told)
+        output.turn(us(now), &[], None, boards, &mut told)
     };
     assert_eq!(look(&mut output, &mut boards, 56_521), Ok(false));
     assert_eq!(boards.offs, 1);
@@ -234,7 +234,7 @@ fn the_way_back_settles_and_is_none_where_that_came_too_late() {
             .all_off(us(20_000), Cause::ActuatorError, &mut boards, &mut told)
             .unwrap_err();
         output.hear(us(now - 1000));
-        let _ = output.poll(us(now - 5000), &[], None, &mut boards, &mut told);
+        let _ = output.turn(us(now - 5000), &[], None, &mut boards, &mut told);
         assert_eq!(
             output.reset(us(now), &mut boards, &mut told),
             Err(Cause::ActuatorError)
@@ -280,7 +280,7 @@ fn a_stimulus_that_is_over_when_its_turn_comes_is_left_out_and_no_overrun() {
             let mut output = output_with(timing.unwrap());
             let now = us(10 * soa_us + late_us);
             output.hear(now);
-            let polled = output.poll(now, &[BETWEEN], None, &mut boards, &mut told);
+            let polled = output.turn(now, &[BETWEEN], None, &mut boards, &mut told);
             assert_eq!(polled, Ok(true));
             let is_driven = late_us < over_us;
             assert_eq!(boards.updates, 2 * u32::from(is_driven), "{late_us}");
@@ -291,7 +291,7 @@ fn a_stimulus_that_is_over_when_its_turn_comes_is_left_out_and_no_overrun() {
                 assert!(next <= us(10 * soa_us + over_us), "{next:?}");
                 next = next.max(now);
                 output.hear(next);
-                let ended = output.poll(next, &[], None, &mut boards, &mut told);
+                let ended = output.turn(next, &[], None, &mut boards, &mut told);
                 assert_eq!((ended, boards.updates), (Ok(false), 4));
                 next = output.next();
             }

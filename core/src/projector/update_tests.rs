@@ -62,7 +62,7 @@ fn a_stop_is_told_and_ends_nothing_that_is_driven() {
         if heard {
             output.hear(at(now));
         }
-        let called = output.poll(at(now), &[on_a_wire], None, &mut registers, &mut stops);
+        let called = output.turn(at(now), &[on_a_wire], None, &mut registers, &mut stops);
         assert!(called.is_ok());
         (registers.0.len(), registers.1, stops.0.clone(), stops.1)
     };

@@ -153,7 +153,7 @@ impl Setup {
         let band = band_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let people = people_of(&scene)?;
-        let fingers = fingers::of(&scene, &bench, &people)?;
+        let fingers = fingers::driven(&scene, &bench, &people)?;
         let (person, wearer) = people;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = wearer.as_ref().filter(|_| fingers.is_empty()) {

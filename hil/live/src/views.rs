@@ -1,4 +1,4 @@
-//! Views of a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or none.
+//! Views of a run: a terminal (`--watch`), pages (`--serve`), Foxglove (`--foxglove`), a study that can stop it, or none.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use palpate_run::picture::Wants;
 use palpate_run::{Beginning, Failure, TurnView, Wish};
 
 use crate::output::{Outputs, note};
-use crate::serve::{Desk, Live, LiveRun};
+use crate::serve::{Desk, Foxglove, FoxgloveRun, Live, LiveRun};
 use crate::watch::Watch;
 
 /// Time between two looks of an experimenter at the limits.
@@ -24,6 +24,7 @@ pub struct Views {
     /// `true` once a terminal was looked for.
     sought: bool,
     live: Option<LiveRun>,
+    foxglove: Option<FoxgloveRun>,
     desk: Option<Desk>,
     /// Time at which the experimenter sees the limits next.
     limits: Instant,
@@ -36,6 +37,8 @@ pub struct Wanted<'a> {
     pub watch: bool,
     /// A view in pages.
     pub live: Option<&'a Live>,
+    /// A view in Foxglove, of the only display.
+    pub foxglove: Option<&'a Foxglove>,
     /// The pages of a study, of which each may stop the run.
     pub desk: Option<&'a Desk>,
     /// `true` where standard error gets errors alone.
@@ -49,7 +52,7 @@ pub struct Wanted<'a> {
 impl Wanted<'_> {
     /// Tells whether any view is wanted.
     pub const fn is_seen(self) -> bool {
-        self.watch || self.live.is_some() || self.desk.is_some()
+        self.watch || self.live.is_some() || self.foxglove.is_some() || self.desk.is_some()
     }
 
     /// Tells whether a page has said STOP: everything is to go off and stay off, where the stop is kept.
@@ -77,13 +80,19 @@ impl Views {
         if let Some(live) = &mut self.live {
             live.add(run);
         }
+        if let Some(foxglove) = wanted.foxglove {
+            self.foxglove = Some(FoxgloveRun::begin(foxglove, run)?);
+        }
         self.desk = wanted.desk.cloned();
         Ok(())
     }
 
     /// Tells whether any view is open.
     pub const fn are_open(&self) -> bool {
-        self.watch.is_some() || self.live.is_some() || self.desk.is_some()
+        self.watch.is_some()
+            || self.live.is_some()
+            || self.foxglove.is_some()
+            || self.desk.is_some()
     }
 
     /// Wish of a key or a page since the last call.
@@ -110,6 +119,9 @@ impl Views {
                 return true;
             }
             live.turn(seen);
+        }
+        if let Some(foxglove) = &mut self.foxglove {
+            foxglove.turn(seen);
         }
         self.watch.as_mut().is_some_and(|watch| {
             watch.turn(seen.display, seen.now, seen.events, seen.counts, seen.buses)

@@ -23,7 +23,7 @@ fn made(
 }
 
 /// A failure as an exception.
-pub fn of(failure: &Failure) -> PyErr {
+pub fn exception(failure: &Failure) -> PyErr {
     let class = match failure {
         Failure::Check(_) => "CheckError",
         Failure::Input(_) | Failure::File(_) => "InputError",
@@ -65,7 +65,7 @@ pub fn free<T: Send>(
     // Objects that a panic came through refuse later calls: their state is not used again.
     match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(failure)) => Err(of(&failure)),
+        Ok(Err(failure)) => Err(exception(&failure)),
         Err(panic) => {
             let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
             let text = text.or_else(|| panic.downcast_ref::<String>().cloned());

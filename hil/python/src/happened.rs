@@ -27,7 +27,7 @@ pub struct Happened {
 impl Happened {
     /// The columns of a table of these events.
     fn table(&self, name: &str) -> PyResult<Table> {
-        tables::of(name, &self.events, &self.about)
+        tables::table(name, &self.events, &self.about)
             .ok_or_else(|| PyKeyError::new_err(name.to_owned()))
     }
 }

@@ -160,7 +160,7 @@ impl Run {
                 outcome.readings.as_ref(),
                 self.modules(display),
             )),
-            name => tables::of(
+            name => tables::table(
                 name,
                 &outcome.trace.events,
                 &About::new(&outcome.trace.header),

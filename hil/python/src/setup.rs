@@ -80,7 +80,7 @@ impl Setup {
     /// Taxels of each module, and the axes that each is read on.
     fn shape(&self) -> PyResult<(Vec<usize>, usize)> {
         let sensor = &self.inner.sensor.value;
-        let layout = plan::layout(sensor).map_err(|failure| crate::errors::of(&failure))?;
+        let layout = plan::layout(sensor).map_err(|failure| crate::errors::exception(&failure))?;
         let taxels = layout.modules().iter().map(|m| m.points().len()).collect();
         Ok((taxels, usize::from(sensor.axes)))
     }

@@ -33,7 +33,7 @@ fn milli(value: impl Into<f64>) -> f64 {
 }
 
 /// Table of this name; `None` for an unknown name.
-pub fn of(name: &str, events: &[Event], about: &About) -> Option<Table> {
+pub fn table(name: &str, events: &[Event], about: &About) -> Option<Table> {
     Some(match name {
         "frames" => frames(events),
         "contacts" => contacts(&each(events).copied().collect::<Vec<_>>()),

@@ -26,7 +26,7 @@ pub struct Measured {
     place: &'static str,
 }
 
-const fn of(
+const fn measured(
     key: &'static str,
     words: &'static str,
     unit: &'static str,
@@ -43,28 +43,28 @@ const fn of(
 /// The figures of a row, in the order of the columns.
 #[rustfmt::skip]
 pub const MEASURED: [Measured; 22] = [
-    of("path_error_rmse_mm", "path error RMSE", "mm", "/path_error_mm/rmse"),
-    of("path_error_max_mm", "path error at most", "mm", "/path_error_mm/max"),
-    of("felt_error_all_rmse_mm", "felt error RMSE, all onsets", "mm", "/felt_error_mm/everywhere/rmse"),
-    of("felt_error_all_max_mm", "felt error at most, all onsets", "mm", "/felt_error_mm/everywhere/max"),
-    of("felt_onsets_all", "onsets, all", "", "/felt_error_mm/everywhere/onsets"),
-    of("felt_error_rmse_mm", "felt error RMSE inside the wires", "mm", "/felt_error_mm/rmse"),
-    of("felt_error_max_mm", "felt error at most inside the wires", "mm", "/felt_error_mm/max"),
-    of("felt_onsets_inside", "onsets inside the wires", "", "/felt_error_mm/onsets"),
-    of("felt_level_db", "felt level over threshold", "dB", "/felt/level_db/median"),
-    of("felt_skin_um", "displacement of the skin, median", "um", "/felt/skin_um/median"),
-    of("felt_breaks", "breaks", "", "/felt_error_mm/breaks"),
-    of("felt_jumps", "jumps", "", "/felt_error_mm/jumps"),
-    of("hottest_skin_c", "hottest skin", "\u{b0}C", "/hottest_skin_c"),
-    of("hottest_wire_c", "hottest wire", "\u{b0}C", "/hottest_wire_c"),
-    of("energy_mj", "energy", "mJ", "/energy_mj"),
-    of("peak_supply_a", "supply current", "A", "/peak_supply_a"),
-    of("limit_used_percent", "most used limit", "%", "/margins"),
-    of("limiter_events", "limiter events", "", "/limiter_events"),
-    of("contacts", "contacts", "", "/contacts"),
-    of("stimuli", "stimuli", "", "/stimuli"),
-    of("roughness", "roughness", "", "/texture/roughness"),
-    of("taxel_hz", "taxel refresh, median", "Hz", "/taxels/refresh_hz/median"),
+    measured("path_error_rmse_mm", "path error RMSE", "mm", "/path_error_mm/rmse"),
+    measured("path_error_max_mm", "path error at most", "mm", "/path_error_mm/max"),
+    measured("felt_error_all_rmse_mm", "felt error RMSE, all onsets", "mm", "/felt_error_mm/everywhere/rmse"),
+    measured("felt_error_all_max_mm", "felt error at most, all onsets", "mm", "/felt_error_mm/everywhere/max"),
+    measured("felt_onsets_all", "onsets, all", "", "/felt_error_mm/everywhere/onsets"),
+    measured("felt_error_rmse_mm", "felt error RMSE inside the wires", "mm", "/felt_error_mm/rmse"),
+    measured("felt_error_max_mm", "felt error at most inside the wires", "mm", "/felt_error_mm/max"),
+    measured("felt_onsets_inside", "onsets inside the wires", "", "/felt_error_mm/onsets"),
+    measured("felt_level_db", "felt level over threshold", "dB", "/felt/level_db/median"),
+    measured("felt_skin_um", "displacement of the skin, median", "um", "/felt/skin_um/median"),
+    measured("felt_breaks", "breaks", "", "/felt_error_mm/breaks"),
+    measured("felt_jumps", "jumps", "", "/felt_error_mm/jumps"),
+    measured("hottest_skin_c", "hottest skin", "\u{b0}C", "/hottest_skin_c"),
+    measured("hottest_wire_c", "hottest wire", "\u{b0}C", "/hottest_wire_c"),
+    measured("energy_mj", "energy", "mJ", "/energy_mj"),
+    measured("peak_supply_a", "supply current", "A", "/peak_supply_a"),
+    measured("limit_used_percent", "most used limit", "%", "/margins"),
+    measured("limiter_events", "limiter events", "", "/limiter_events"),
+    measured("contacts", "contacts", "", "/contacts"),
+    measured("stimuli", "stimuli", "", "/stimuli"),
+    measured("roughness", "roughness", "", "/texture/roughness"),
+    measured("taxel_hz", "taxel refresh, median", "Hz", "/taxels/refresh_hz/median"),
 ];
 
 /// The figures that tell two results apart, the weightiest first: felt levels and places, margins of heat, and costs.

@@ -19,7 +19,7 @@ fn pattern(amps: f64, pulses: u32, cadence_ms: f64) -> PulsePattern {
     }
 }
 
-fn of(pattern: &PulsePattern) -> DesignOutcome {
+fn designed(pattern: &PulsePattern) -> DesignOutcome {
     let wire = WireParameters::FINAL.taut();
     outcome(&wire, &TissueParameters::DEFAULT, pattern, PERSON, 4.0).unwrap()
 }
@@ -27,13 +27,13 @@ fn of(pattern: &PulsePattern) -> DesignOutcome {
 /// Widths of the same energy as seven pulses of 1.62 mJ, and levels at equal mean power: docs/felt.md.
 #[test]
 fn fewer_larger_rarer_pulses_are_felt_better_at_equal_power() {
-    let seven = of(&pattern(0.99, 7, 58.5));
+    let seven = designed(&pattern(0.99, 7, 58.5));
     for (other, db) in [
         (pattern(0.99, 4, 58.5), 2.5),
         (pattern(1.97, 2, 117.0), 9.0),
         (pattern(0.99, 7, 117.0), 3.6),
     ] {
-        let gained = of(&other).levels.vibration_db - seven.levels.vibration_db;
+        let gained = designed(&other).levels.vibration_db - seven.levels.vibration_db;
         assert!((gained - db).abs() < 0.15, "{other:?}: {gained}");
     }
     let width = pattern(1.97, 2, 117.0).width_s(1.9);
@@ -74,7 +74,7 @@ fn the_limit_table_forbids_what_it_names() {
         ),
         (pattern(1.97, 4, 117.0), None),
     ] {
-        assert_eq!(of(&pattern).excluded, row, "{pattern:?}");
+        assert_eq!(designed(&pattern).excluded, row, "{pattern:?}");
     }
     // The same power in fever.
     let tissue = TissueParameters {
@@ -105,7 +105,7 @@ fn what_another_point_beats_in_everything_is_dominated() {
             levels,
             skin_c: [skin_c; 2],
             excluded,
-            ..of(&p)
+            ..designed(&p)
         };
         (PulsePattern { amps, ..p }, of)
     };

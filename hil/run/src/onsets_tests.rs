@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn of(felt: u64, meant: u64) -> Onsets {
+fn onsets(felt: u64, meant: u64) -> Onsets {
     Onsets {
         meant,
         felt: Some(felt),
@@ -12,9 +12,9 @@ fn of(felt: u64, meant: u64) -> Onsets {
 
 #[test]
 fn half_of_the_onsets_is_enough_and_less_is_not() {
-    assert!(!of(78, 156).mostly_unfelt());
-    assert!(of(72, 156).mostly_unfelt());
-    assert!(!of(0, 0).mostly_unfelt(), "nothing was to be felt");
+    assert!(!onsets(78, 156).mostly_unfelt());
+    assert!(onsets(72, 156).mostly_unfelt());
+    assert!(!onsets(0, 0).mostly_unfelt(), "nothing was to be felt");
     let real = Onsets {
         meant: 9,
         ..Onsets::default()
@@ -25,9 +25,9 @@ fn half_of_the_onsets_is_enough_and_less_is_not() {
 
 #[test]
 fn a_share_is_whole_only_where_all_are_in_it() {
-    assert_eq!(of(999, 1000).felt_percent(), Some(99));
-    assert_eq!(of(7, 7).felt_percent(), Some(100));
-    assert_eq!(of(0, 0).felt_percent(), None);
+    assert_eq!(onsets(999, 1000).felt_percent(), Some(99));
+    assert_eq!(onsets(7, 7).felt_percent(), Some(100));
+    assert_eq!(onsets(0, 0).felt_percent(), None);
     let off = |off_pad, touched| Onsets {
         touched,
         off_pad,
@@ -41,8 +41,8 @@ fn a_share_is_whole_only_where_all_are_in_it() {
 #[test]
 fn tallies_of_displays_add() {
     let mut all = Onsets::default();
-    all.join(&of(3, 4));
+    all.join(&onsets(3, 4));
     all.join(&Onsets::default());
-    all.join(&of(1, 2));
-    assert_eq!(all, of(4, 6));
+    all.join(&onsets(1, 2));
+    assert_eq!(all, onsets(4, 6));
 }

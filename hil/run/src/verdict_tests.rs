@@ -4,7 +4,7 @@ use super::*;
 use crate::{Input, run};
 use palpate_files::{Overrides, Setup, load_bench, load_scene};
 
-fn of(scene: &str, set: &[&str]) -> Conclusion {
+fn concluded(scene: &str, set: &[&str]) -> Conclusion {
     on("emulated", scene, set)
 }
 
@@ -21,7 +21,7 @@ fn on(bench: &str, scene: &str, set: &[&str]) -> Conclusion {
 
 #[test]
 fn a_burn_is_beyond_the_model_and_an_exceeded_limit() {
-    let found = of("stuck-amplifier", &[]);
+    let found = concluded("stuck-amplifier", &[]);
     assert_eq!(found.verdict, Verdict::BeyondTheModel);
     let first = "a wire passed 400 C, skin passed 100 C by ";
     assert!(found.why[0].starts_with(first), "{found:?}");
@@ -60,7 +60,7 @@ fn resting(x_mm: f64, force_n: f64) -> String {
 
 #[test]
 fn what_is_touched_beside_the_pad_is_off_it_and_no_failure_to_feel() {
-    let found = of("sphere-along", &[&resting(60.0, 0.7)]);
+    let found = concluded("sphere-along", &[&resting(60.0, 0.7)]);
     assert_eq!(found.verdict, Verdict::OffThePad, "{found:?}");
     assert!(found.why[0].contains("beyond what the display shows"));
     assert_eq!(found.why.len(), 1, "{found:?}");
@@ -69,19 +69,22 @@ fn what_is_touched_beside_the_pad_is_off_it_and_no_failure_to_feel() {
         "kind = \"hold\", points_mm = [[0.0, 0.0]]",
         "kind = \"line\", points_mm = [[0.0, -60.0], [0.0, 60.0]], period_s = 4.0",
     );
-    assert_eq!(of("sphere-along", &[&line]).verdict, Verdict::OffThePad);
+    assert_eq!(
+        concluded("sphere-along", &[&line]).verdict,
+        Verdict::OffThePad
+    );
 }
 
 #[test]
 fn a_touch_that_no_reading_shows_is_not_felt() {
-    let found = of("sphere-along", &[&resting(0.0, 0.001)]);
+    let found = concluded("sphere-along", &[&resting(0.0, 0.001)]);
     assert_eq!(found.verdict, Verdict::NotFelt, "{found:?}");
     assert!(found.why[0].contains("rose above the contact threshold"));
 }
 
 #[test]
 fn a_person_who_feels_less_than_half_decides() {
-    let found = of(
+    let found = concluded(
         "sphere-along",
         &[
             "length_s=4",
@@ -109,12 +112,12 @@ fn pulses_of_a_texture_that_are_too_weak_are_not_felt() {
 
 #[test]
 fn a_run_within_its_limits_is_ok_without_a_word() {
-    assert_eq!(of("sphere-along", &[]), Conclusion::default());
+    assert_eq!(concluded("sphere-along", &[]), Conclusion::default());
 }
 
 #[test]
 fn a_run_without_a_stimulus_says_why() {
-    let idle = of("idle", &[]);
+    let idle = concluded("idle", &[]);
     assert_eq!(idle.line(), "OK: no stimulus: the scene touches nothing");
 }
 
@@ -122,7 +125,7 @@ fn a_run_without_a_stimulus_says_why() {
 #[test]
 fn taxels_that_a_scripted_overload_starves_are_a_remark() {
     let scene = "allegro-one-bus-overwrite";
-    let found = of(scene, &[]);
+    let found = concluded(scene, &[]);
     assert_eq!(found.verdict, Verdict::Ok, "{found:?}");
     let starved = "taxels never spoke, and no frame was foreign";
     assert!(found.why.iter().any(|w| w.contains(starved)), "{found:?}");

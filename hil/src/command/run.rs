@@ -13,6 +13,7 @@ use palpate_files::{
 };
 use palpate_live::output::{make_folder, note, print, print_json, write_file};
 use palpate_live::recording::{Reading, ReadingStream, Recorded, read_joints, recorded};
+use palpate_live::serve::Foxglove;
 use palpate_live::views::Wanted;
 use palpate_live::{clock, host};
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome};
@@ -21,7 +22,7 @@ use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
 use super::run_files;
-use super::served::Served;
+use super::served::{Served, foxglove};
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -45,9 +46,19 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
             "--loop: expected an emulated bench, found `{bench}`: on hardware a person begins each run"
         )));
     }
+    if args.foxglove.is_some() && !setup.fingers.is_empty() {
+        return Err(Failure::Input(format!(
+            "--foxglove: expected a bench with one display, found {} displays in `{}`; --serve shows them all",
+            setup.fingers.len(),
+            setup.bench.value.name
+        )));
+    }
+    let foxglove = args.foxglove.map(|port| foxglove(port, paced));
+    let foxglove = foxglove.transpose()?;
     let served = args.serve.map(|at| Served::open(at, args.open, paced));
     let served = served.transpose()?;
-    let mut outcome = play(args, &setup, timing, (&plan, served.as_ref()))?;
+    let lookers = (served.as_ref(), foxglove.as_ref());
+    let mut outcome = play(args, &setup, timing, (&plan, lookers))?;
     let tried = args.junit.is_some().then(|| judge(&setup, &outcome));
     let failure = outcome.failure.take();
     outcome.summary.date = Some(clock::date(clock::unix_us()));
@@ -132,6 +143,7 @@ fn prepare(args: &RunArgs, setup: &Setup) -> Result<Plan, Failure> {
             && args.junit.is_none()
             && !args.watch
             && args.serve.is_none()
+            && args.foxglove.is_none()
             && !args.explain,
     };
     let paths = files
@@ -156,11 +168,12 @@ fn play(
     args: &RunArgs,
     setup: &Setup,
     timing: Timing,
-    (plan, served): (&Plan, Option<&Served>),
+    (plan, (served, foxglove)): (&Plan, (Option<&Served>, Option<&Foxglove>)),
 ) -> Result<Outcome, Failure> {
     let wanted = Wanted {
         watch: args.watch,
         live: served.map(|served| &served.live),
+        foxglove,
         desk: None,
         quiet: args.voice.quiet,
         files: &plan.growing,
@@ -171,6 +184,12 @@ fn play(
         let played = played(args, setup, timing.clone(), (plan.keep, wanted));
         if let Some(served) = served {
             served.over(&played);
+        }
+        if let Some(foxglove) = foxglove {
+            foxglove.over(&match &played {
+                Ok(outcome) => outcome.summary.conclusion.line(),
+                Err(failure) => failure.to_string(),
+            });
         }
         let outcome = played?;
         if outcome.summary.conclusion.verdict == Verdict::Stopped {

@@ -8,7 +8,7 @@ use std::thread;
 use palpate_buses::served::wait::{monotonic_ns, wait};
 use palpate_buses::signals::Signals;
 use palpate_live::output::note;
-use palpate_live::serve::Live;
+use palpate_live::serve::{Foxglove, Live};
 use palpate_run::{Failure, Outcome};
 
 /// Time between two looks for a page or a signal, nanoseconds.
@@ -28,29 +28,18 @@ impl Served {
     /// [`Failure::Device`] for an address that cannot be listened at, [`Failure::Stopped`] where a signal comes before a page.
     pub fn open(at: SocketAddr, opens: bool, paced: bool) -> Result<Self, Failure> {
         openable(at, opens)?;
-        let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+        let signals = catch()?;
         let live = Live::open(at)?;
-        let pace = match paced {
-            true => ", and keeps to the wall clock",
-            false => "",
-        };
         note(&format!(
-            "live view: {}; the run begins when a page opens there{pace}",
-            live.url
+            "live view: {}; the run begins when a page opens there{}",
+            live.url,
+            pace(paced)
         ));
         if opens {
             browse(&live.url);
         }
-        let served = Self { live, signals };
-        while !served.live.is_seen() {
-            if let Some(name) = served.signals.caught() {
-                return Err(Failure::Stopped(format!(
-                    "stopped by {name} before a page opened: nothing ran"
-                )));
-            }
-            glance();
-        }
-        Ok(served)
+        expect(&signals, "a page opened", || live.is_seen())?;
+        Ok(Self { live, signals })
     }
 
     /// The pages are told how the run ended, and what it measured of its limits.
@@ -73,6 +62,49 @@ impl Served {
             glance();
         }
     }
+}
+
+/// Listens for Foxglove, says where, and waits for the first client. `paced` says whether the wall clock holds the run.
+///
+/// # Errors
+/// The errors of [`Served::open`].
+pub(super) fn foxglove(port: u16, paced: bool) -> Result<Foxglove, Failure> {
+    let signals = catch()?;
+    let foxglove = Foxglove::open(port)?;
+    note(&format!(
+        "--foxglove: {}; the run begins when Foxglove connects there{}",
+        foxglove.url,
+        pace(paced)
+    ));
+    expect(&signals, "Foxglove connected", || foxglove.is_seen())?;
+    Ok(foxglove)
+}
+
+fn catch() -> Result<Signals, Failure> {
+    Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))
+}
+
+const fn pace(paced: bool) -> &'static str {
+    match paced {
+        true => ", and keeps to the wall clock",
+        false => "",
+    }
+}
+
+/// Waits until somebody looks.
+///
+/// # Errors
+/// [`Failure::Stopped`] where a signal comes before.
+fn expect(signals: &Signals, event: &str, is_seen: impl Fn() -> bool) -> Result<(), Failure> {
+    while !is_seen() {
+        if let Some(name) = signals.caught() {
+            return Err(Failure::Stopped(format!(
+                "stopped by {name} before {event}: nothing ran"
+            )));
+        }
+        glance();
+    }
+    Ok(())
 }
 
 /// Sleeps for a moment; a signal ends it early. A clock that fails is no reason to stop looking.

@@ -112,7 +112,7 @@ fn figure(
         let single = Difference {
             figure: String::new(),
             detail: String::new(),
-            ..of(values(most), measured.unit)
+            ..difference(values(most), measured.unit)
         };
         let words = single.words();
         let runs = format!("{} of {} runs", differing.len(), pairs.len());
@@ -124,12 +124,12 @@ fn figure(
     };
     Some(Difference {
         detail,
-        ..of((mean(|v| v.0), mean(|v| v.1)), measured.unit)
+        ..difference((mean(|v| v.0), mean(|v| v.1)), measured.unit)
     })
 }
 
 /// The difference of two values, of which one may be missing.
-fn of((a, b): (Option<f64>, Option<f64>), unit: &str) -> Difference {
+fn difference((a, b): (Option<f64>, Option<f64>), unit: &str) -> Difference {
     match (a, b) {
         (Some(a), Some(b)) => Difference::of_numbers(String::new(), (a, b), unit),
         (a, b) => {

@@ -104,7 +104,7 @@ impl Hypothesis {
 }
 
 /// Onsets of a run, those that are felt, and their median level, dB.
-fn of(outcome: &Outcome) -> (u64, u64, f64) {
+fn felt_onsets(outcome: &Outcome) -> (u64, u64, f64) {
     let onsets = &outcome.summary.onsets;
     let level = outcome
         .summary
@@ -119,7 +119,7 @@ fn all(
     setups: impl Iterator<Item = Result<Setup, Failure>>,
 ) -> Result<Vec<(u64, u64, f64)>, Failure> {
     setups
-        .map(|setup| Ok(of(&run(&setup?, &Input::Scene, 1)?)))
+        .map(|setup| Ok(felt_onsets(&run(&setup?, &Input::Scene, 1)?)))
         .collect()
 }
 

@@ -43,7 +43,7 @@ impl Seen {
 
 /// Knowledge of something that makes runs be refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Known {
+pub enum Certainty {
     /// It is not so.
     #[default]
     No,
@@ -70,13 +70,13 @@ pub enum May {
 #[derive(Default)]
 pub struct Model {
     /// Whether a stop is latched.
-    pub stop: Known,
+    pub stop: Certainty,
     /// Whether the ledger cannot be read, or the dose is spent.
-    pub unreadable: Known,
+    pub unreadable: Certainty,
     /// Whether a run was refused since the last person was there.
     pub is_seen: bool,
     /// The stop's record before it was damaged, and what was known then.
-    pub whole: Option<(Kept, Known)>,
+    pub whole: Option<(Kept, Certainty)>,
     /// Runs whose reserve may have stayed booked.
     pub booked: u32,
     /// Counts of what has happened, by name.
@@ -91,7 +91,7 @@ impl Model {
 
     /// Whether every run is to be refused.
     pub fn is_refused(&self) -> bool {
-        self.stop == Known::Yes || self.unreadable == Known::Yes
+        self.stop == Certainty::Yes || self.unreadable == Certainty::Yes
     }
 
     /// Fails where a run contradicts what is known, and learns from it.
@@ -99,16 +99,19 @@ impl Model {
     pub fn judge(&mut self, said: &Said, seen: Seen, may: May) {
         let drove = seen.drove;
         let says = |words: &str| said.err.contains(words);
-        let (stop, unreadable) = (self.stop == Known::Yes, self.unreadable == Known::Yes);
+        let (stop, unreadable) = (
+            self.stop == Certainty::Yes,
+            self.unreadable == Certainty::Yes,
+        );
         if drove {
             self.whole = None;
         }
         if stop || unreadable || may == May::Refuse {
             assert!(!drove, "it drove: {said:?}");
             assert!(matches!(said.status, Some(3 | 4)), "{said:?}");
-            let is_stopped = self.stop != Known::No && says("stopped earlier");
+            let is_stopped = self.stop != Certainty::No && says("stopped earlier");
             if is_stopped {
-                self.stop = Known::Yes;
+                self.stop = Certainty::Yes;
             }
             let is_told = is_stopped || unreadable && says("--forget-heat");
             assert!(is_told || may != May::End, "{said:?}");
@@ -118,16 +121,16 @@ impl Model {
         }
         if says("stopped earlier") {
             assert!(
-                self.stop == Known::Maybe && !drove,
+                self.stop == Certainty::Maybe && !drove,
                 "a stop from nowhere: {said:?}"
             );
-            self.stop = Known::Yes;
+            self.stop = Certainty::Yes;
         } else if says("heat of earlier runs") {
             assert!(
-                self.unreadable == Known::Maybe && !drove,
+                self.unreadable == Certainty::Maybe && !drove,
                 "nothing was unreadable: {said:?}"
             );
-            self.unreadable = Known::Yes;
+            self.unreadable = Certainty::Yes;
         } else if says("has had a session's dose") {
             assert!(
                 self.booked >= SPENT && !drove,
@@ -135,16 +138,16 @@ impl Model {
                 self.booked
             );
             // Until a person forgets it, as with what cannot be read.
-            self.unreadable = Known::Yes;
+            self.unreadable = Certainty::Yes;
             self.count("doses spent");
         } else if said.status == Some(0) {
             self.stop = if may == May::Fail {
-                Known::Maybe
+                Certainty::Maybe
             } else {
-                Known::No
+                Certainty::No
             };
         } else if may == May::Lack && said.status == Some(3) && says("heat cannot be kept") {
-            self.stop = Known::No;
+            self.stop = Certainty::No;
             self.booked += 1;
             self.count("runs that lacked a disk");
             return;
@@ -155,9 +158,9 @@ impl Model {
             };
             assert!(is_slow || may == May::Fail, "{said:?}, {seen:?}");
             self.stop = if seen.is_latched {
-                Known::Yes
+                Certainty::Yes
             } else {
-                Known::Maybe
+                Certainty::Maybe
             };
             self.booked += 1;
             self.count(if is_slow {

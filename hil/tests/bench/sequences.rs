@@ -18,7 +18,7 @@ use crate::audit::Audit;
 use crate::campaign::{BURST_MS, Draws, number};
 use crate::damage::{Damage, Kept};
 use crate::ledger::guard;
-use crate::model::{Known, May, Model, Seen};
+use crate::model::{Certainty, May, Model, Seen};
 use crate::names::{NOBODY, has_other_user, names_of};
 use crate::rig::{Bench, OFF_MS, nanoseconds, now_ns, once_on_bench};
 use crate::run::{Run, Said, signal};
@@ -153,7 +153,7 @@ impl<'a> World<'a> {
                 let ending = self.draws.of(&["heat", "dose"]);
                 if let Some(file) = crate::ledger::kept(self.bench, ending) {
                     Kept::read(file).harm_ledger(damage, &mut self.draws);
-                    self.model.unreadable = Known::Yes;
+                    self.model.unreadable = Certainty::Yes;
                 }
                 self.run(May::End);
             }
@@ -268,8 +268,8 @@ impl<'a> World<'a> {
             self.model.whole = None;
         }
         self.model.stop = match drove && is_early {
-            true => Known::Yes,
-            false => Known::Maybe,
+            true => Certainty::Yes,
+            false => Certainty::Maybe,
         };
         self.model.count("deaths");
     }
@@ -312,9 +312,9 @@ impl<'a> World<'a> {
         self.model.whole.get_or_insert((kept, self.model.stop));
         // Another byte may be one that says nothing.
         if damage != Damage::Byte {
-            self.model.stop = Known::Yes;
-        } else if self.model.stop == Known::No {
-            self.model.stop = Known::Maybe;
+            self.model.stop = Certainty::Yes;
+        } else if self.model.stop == Certainty::No {
+            self.model.stop = Certainty::Maybe;
         }
     }
 
@@ -413,14 +413,14 @@ impl<'a> World<'a> {
         let at = self.adapter;
         let bench = ["--bench", "bench.toml"];
         self.model.is_seen = false;
-        if self.model.stop == Known::Yes
-            && (self.model.unreadable != Known::Yes || self.draws.below(2) == 0)
+        if self.model.stop == Certainty::Yes
+            && (self.model.unreadable != Certainty::Yes || self.draws.below(2) == 0)
         {
             let said = self.bench.off(&[&["--unlatch"], &bench[..]].concat());
             self.story.push(format!("--unlatch on {at}"));
             match said.status {
                 Some(0) => {
-                    self.model.stop = Known::No;
+                    self.model.stop = Certainty::No;
                     self.model.whole = None;
                 }
                 // That program clears it, or leaves it as it was.
@@ -442,7 +442,7 @@ impl<'a> World<'a> {
                 .off(&[&bench[..], &["--forget-heat", "fake"]].concat());
             self.story.push("--forget-heat".into());
             assert_eq!(said.status, Some(0), "{said:?}");
-            (self.model.unreadable, self.model.booked) = (Known::No, 0);
+            (self.model.unreadable, self.model.booked) = (Certainty::No, 0);
             self.audit.forget();
             self.model.count("heat forgotten");
         }

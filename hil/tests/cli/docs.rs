@@ -178,6 +178,8 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("device nodes")
     } else if has("--serve") || has("serve") {
         Some("a browser, and an end by a person")
+    } else if has("--foxglove") {
+        Some("Foxglove")
     } else if command.starts_with("hil study run") && !has("--simulated") && !has("--dose") {
         Some("a participant")
     } else if has("doctor") {

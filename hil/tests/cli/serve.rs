@@ -31,12 +31,9 @@ pub(super) fn served(folder: &Folder, args: &[&str]) -> Served {
     told.read_line(&mut line).unwrap();
     // What comes later must find a reader.
     std::thread::spawn(move || std::io::copy(&mut told, &mut std::io::sink()));
-    let url = line
-        .split("http://")
-        .nth(1)
-        .unwrap_or_else(|| panic!("{line}"));
+    let url = line.split("://").nth(1).unwrap_or_else(|| panic!("{line}"));
     let url = url.split([';', ' ', '\n']).next().unwrap();
-    let (host, rest) = url.split_once('/').unwrap();
+    let (host, rest) = url.split_once('/').unwrap_or((url, ""));
     Served {
         run,
         host: host.replace("0.0.0.0", "127.0.0.1"),

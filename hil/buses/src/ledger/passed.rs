@@ -18,7 +18,10 @@ pub(super) fn name_of(hardware: &str) -> String {
 #[must_use]
 pub fn passed(folder: &Path, hardware: &str) -> Vec<Output> {
     let account = Account::open(folder, &name_of(hardware));
-    account.map_or_else(|_| Vec::new(), |account| of(&account, Uptime::now()))
+    account.map_or_else(
+        |_| Vec::new(),
+        |account| read_outputs(&account, Uptime::now()),
+    )
 }
 
 /// Keeps whether the wires on these outputs of hardware are passed; it is on the disk when this returns.
@@ -41,7 +44,7 @@ pub fn keep_passed(
         Err(error) => return Err(error),
     };
     let now = Uptime::now();
-    let mut kept = of(&account, now);
+    let mut kept = read_outputs(&account, now);
     kept.retain(|output| !outputs.contains(output));
     if are_passed {
         kept.extend_from_slice(outputs);
@@ -53,7 +56,7 @@ pub fn keep_passed(
 }
 
 /// Outputs of an account; none of another start of the machine, or where that is not known.
-fn of(account: &Account, now: Uptime) -> Vec<Output> {
+fn read_outputs(account: &Account, now: Uptime) -> Vec<Output> {
     let payload = account.payload().ok().flatten();
     let Some((boot, outputs)) = payload.and_then(words).and_then(|words| {
         let (boot, outputs) = words.split_first()?;

@@ -52,9 +52,9 @@ fn another_start_of_the_machine_and_a_damaged_account_leave_no_wire_passed() {
         boot: Uptime::now().boot ^ 1,
         us: 0,
     };
-    assert_eq!(of(&account, other), []);
+    assert_eq!(read_outputs(&account, other), []);
     let unknown = Uptime { boot: 0, us: 0 };
-    assert_eq!(of(&account, unknown), []);
+    assert_eq!(read_outputs(&account, unknown), []);
     let file = folder.0.join(name_of("one"));
     let mut bytes = fs::read(&file).unwrap();
     bytes[20] ^= 1;

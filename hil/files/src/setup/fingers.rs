@@ -103,7 +103,7 @@ pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), 
 }
 
 /// The displays of a bench that a scene drives; none where the bench has one display.
-pub(super) fn of(
+pub(super) fn driven(
     scene: &Loaded<Scene>,
     bench: &Loaded<Bench>,
     people: &People,

@@ -26,7 +26,7 @@ const LEASE_US: u64 = 1_000_000;
 
 /// A wearer as its messages show it.
 #[derive(Debug, Default)]
-pub(super) struct Known {
+pub(super) struct WearerState {
     heard_us: u64,
     feels: bool,
     refuses: bool,
@@ -37,7 +37,7 @@ pub(super) struct Known {
 /// Everyone who feels this finger, and the news about them.
 #[derive(Debug, Default)]
 pub(super) struct Wearers {
-    pub(super) known: BTreeMap<String, Known>,
+    pub(super) known: BTreeMap<String, WearerState>,
     pub(super) news: Vec<String>,
     pub(super) stops: Vec<String>,
     pub(super) refused_by: Vec<String>,
@@ -103,7 +103,7 @@ impl Wearers {
 
     /// Forgets wearers who send nothing any more.
     pub(super) fn look(&mut self, now_us: u64) {
-        let gone = |k: &Known| now_us.saturating_sub(k.heard_us) > LEASE_US;
+        let gone = |k: &WearerState| now_us.saturating_sub(k.heard_us) > LEASE_US;
         let news = &mut self.news;
         self.known.retain(|name, known| {
             if gone(known) {

@@ -137,7 +137,7 @@ impl Sink {
             }
             (Format::Contacts | Format::Schedule | Format::Candump, About::Run(header, ..)) => {
                 let mut first = Vec::new();
-                let rendered = match format {
+                let begun = match format {
                     Format::Contacts => {
                         write_sidecar(path, Some(header))?;
                         contacts_csv::write_header(&header.displays, &mut first)
@@ -146,9 +146,7 @@ impl Sink {
                     _ => Ok(()),
                 };
                 let mut lines = Lines { file, length: 0 };
-                rendered
-                    .and_then(|()| lines.append(&first))
-                    .map_err(told())?;
+                begun.and_then(|()| lines.append(&first)).map_err(told())?;
                 match format {
                     Format::Schedule => Form::Schedule(header.pre_scale.period_ns(), lines),
                     Format::Contacts => Form::Contacts(header.displays.clone(), lines),

@@ -76,7 +76,8 @@ impl Gate {
     }
 }
 
-fn is_this_computer(host: &str) -> bool {
+/// Tells whether a host, with or without a port, is a name of this computer.
+pub(super) fn is_this_computer(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.parse::<u16>().is_ok() => name,
         _ => host,

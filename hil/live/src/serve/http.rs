@@ -62,6 +62,8 @@ pub(super) struct Request {
     pub(super) origin: String,
     /// The key of a handshake; none where no socket is wanted.
     pub(super) socket_key: Option<String>,
+    /// Names of the protocols that the other side speaks, with commas between them.
+    pub(super) protocols: String,
 }
 
 impl Request {
@@ -115,6 +117,7 @@ impl Request {
             host: field("host").unwrap_or_default(),
             origin: field("origin").unwrap_or_default(),
             socket_key: field("sec-websocket-key").filter(|_| upgrade),
+            protocols: field("sec-websocket-protocol").unwrap_or_default(),
         })
     }
 }
@@ -136,13 +139,15 @@ pub(super) fn answer(
     stream.flush()
 }
 
-/// Agrees to a socket.
-pub(super) fn switch(stream: &mut impl Write, key: &str) -> io::Result<()> {
+/// Agrees to a socket, for a protocol where the other side asked for one.
+pub(super) fn switch(stream: &mut impl Write, key: &str, protocol: Option<&str>) -> io::Result<()> {
     let accept = derive_accept_key(key.as_bytes());
+    let protocol = protocol.map(|name| format!("Sec-WebSocket-Protocol: {name}\r\n"));
+    let protocol = protocol.unwrap_or_default();
     write!(
         stream,
         "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-         Sec-WebSocket-Accept: {accept}\r\n\r\n"
+         Sec-WebSocket-Accept: {accept}\r\n{protocol}\r\n"
     )?;
     stream.flush()
 }

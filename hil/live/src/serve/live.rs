@@ -34,7 +34,7 @@ pub struct Live {
 #[derive(Debug, Default)]
 pub(super) struct Hub {
     pages: Mutex<Vec<Arc<Slot>>>,
-    run: Mutex<Known>,
+    run: Mutex<RunState>,
     /// Displays that pages look at, a bit each.
     looked_at: AtomicU64,
     /// The newest picture of each display, for pages that open when no other comes.
@@ -50,7 +50,7 @@ pub(super) struct Hub {
 
 /// State of the run for a page that opens while it goes on.
 #[derive(Debug, Default)]
-struct Known {
+struct RunState {
     /// Number of the run: a page that comes back drops pictures of another run.
     run: u64,
     heads: Vec<Head>,
@@ -74,7 +74,7 @@ fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Known {
+impl RunState {
     fn hello(&self) -> Arc<str> {
         let Self {
             run,
@@ -107,9 +107,9 @@ impl Live {
     /// # Errors
     /// [`Failure::Device`] for a system without random bytes.
     pub fn again(&self) -> Result<(), Failure> {
-        *held(&self.hub.run) = Known {
+        *held(&self.hub.run) = RunState {
             run: u64::from_le_bytes(crate::link::key::random()?),
-            ..Known::default()
+            ..RunState::default()
         };
         held(&self.hub.newest).clear();
         held(&self.hub.pages).iter().for_each(|page| page.forget());

@@ -1,9 +1,10 @@
 //! Pages for browsers: over a run (`hil run --serve`) or a recording (`hil serve`) in the playground's looks, with pictures
-//! through a WebSocket; and those of a study's participant and experimenter.
+//! through a WebSocket; those of a study's participant and experimenter; and a run's topics for Foxglove.
 
 mod crowd;
 mod desk;
 mod files;
+mod foxglove;
 mod gate;
 mod http;
 mod live;
@@ -14,6 +15,7 @@ mod slot;
 
 pub use desk::{Desk, Heard};
 pub use files::notebook;
+pub use foxglove::{FOXGLOVE_PORT, Foxglove, FoxgloveRun};
 pub use live::Live;
 pub use pictures::LiveRun;
 pub use recordings::Recordings;

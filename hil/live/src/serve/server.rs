@@ -15,10 +15,9 @@ use super::crowd::{Crowd, Leaves, Place};
 use super::files::{self, Page};
 use super::gate::Gate;
 use super::http::{Brief, Request, answer, switch};
-use super::slot::Slot;
 
 /// Time for a browser's request and for taking the answer, both together; time for each message of a page.
-const PATIENCE: Duration = Duration::from_secs(5);
+pub(super) const PATIENCE: Duration = Duration::from_secs(5);
 /// Requests that are read or answered at once; a page that loads has ten at most.
 const MOST_STRANGERS: usize = 64;
 /// Pages at once.
@@ -48,6 +47,24 @@ pub(super) fn serve<const N: usize>(
     paths: [&str; N],
     show: Arc<dyn Show>,
 ) -> Result<[String; N], Failure> {
+    let (listener, address) = listen("--serve", address)?;
+    let gate = Gate::at(address, N)?;
+    let urls = array::from_fn(|page| gate.url(address, paths[page], page));
+    let page = move |stream: TcpStream, place: Place, pages: &Arc<Crowd>| {
+        connection(stream, place, pages, &gate, &*show)
+    };
+    attend(listener, page).map_err(|e| Failure::Device(format!("--serve {address}: {e}")))?;
+    Ok(urls)
+}
+
+/// Listens at an address, for the option `flag`; port 0 takes a free one. Returns the address with its port.
+///
+/// # Errors
+/// [`Failure::Device`] for an address that cannot be listened at.
+pub(super) fn listen(
+    flag: &str,
+    address: SocketAddr,
+) -> Result<(TcpListener, SocketAddr), Failure> {
     let failed = |e: io::Error| {
         let way = match e.kind() {
             io::ErrorKind::AddrInUse => "; another program listens there, port 0 takes a free one",
@@ -55,12 +72,23 @@ pub(super) fn serve<const N: usize>(
             io::ErrorKind::PermissionDenied => "; ports below 1024 are for root",
             _ => "",
         };
-        Failure::Device(format!("--serve {address}: {e}{way}"))
+        Failure::Device(format!("{flag} {address}: {e}{way}"))
     };
     let listener = TcpListener::bind(address).map_err(failed)?;
     let address = listener.local_addr().map_err(failed)?;
-    let gate = Gate::at(address, N)?;
-    let urls = array::from_fn(|page| gate.url(address, paths[page], page));
+    Ok((listener, address))
+}
+
+/// Hands every connection to `answer`, on a thread of its own, until the program ends. A connection begins as a stranger with
+/// a place; the crowd that `answer` gets is for those it takes in.
+///
+/// # Errors
+/// Error of the system that gives no thread.
+pub(super) fn attend(
+    listener: TcpListener,
+    answer: impl Fn(TcpStream, Place, &Arc<Crowd>) -> io::Result<()> + Send + Sync + 'static,
+) -> io::Result<()> {
+    let answer = Arc::new(answer);
     let accept = move || {
         let strangers = Crowd::new(MOST_STRANGERS, Leaves::First);
         let pages = Crowd::new(MOST_PAGES, Leaves::Last);
@@ -72,20 +100,16 @@ pub(super) fn serve<const N: usize>(
             let Ok(place) = strangers.enter(&stream) else {
                 continue;
             };
-            let (gate, show, pages) = (gate.clone(), Arc::clone(&show), Arc::clone(&pages));
+            let (answer, pages) = (Arc::clone(&answer), Arc::clone(&pages));
             let page = move || {
                 // A browser that went away, or is none, is its own matter.
-                let _ = connection(stream, place, &pages, &gate, &*show);
+                let _ = answer(stream, place, &pages);
             };
             // Without a thread the connection ends here.
             let _ = Builder::new().name("page".into()).spawn(page);
         }
     };
-    Builder::new()
-        .name("pages".into())
-        .spawn(accept)
-        .map_err(failed)?;
-    Ok(urls)
+    Builder::new().name("pages".into()).spawn(accept).map(drop)
 }
 
 /// Reads a request and answers it, as a stranger. A stranger who asks for a socket and may have it becomes a page.
@@ -115,7 +139,7 @@ fn connection(
         ("/live", Some(key)) => {
             let _page = pages.enter(&stream)?;
             drop(place);
-            switch(&mut brief, key)?;
+            switch(&mut brief, key, None)?;
             stream.set_read_timeout(None)?;
             stream.set_write_timeout(Some(PATIENCE))?;
             show.page(stream, shown);
@@ -137,22 +161,31 @@ fn connection(
     }
 }
 
+/// Messages on their way to a page.
+pub(super) trait Mailbox: Send + Sync + 'static {
+    /// Waits for the next message; `None` once the page is gone.
+    fn take(&self) -> Option<Message>;
+
+    /// Marks the page as gone.
+    fn close(&self);
+}
+
 /// Speaks with a page until either ends. Reads on this thread, so that a STOP never waits for anything to be sent;
-/// another thread sends the messages of `slot`. `hear` returns whether a text is a message of a page.
-pub(super) fn converse(
+/// another thread sends the messages of `mail`. `hear` returns whether a text is a message of a page.
+pub(super) fn converse<M: Mailbox>(
     mut words: WebSocket<TcpStream>,
-    slot: &Arc<Slot>,
+    mail: &Arc<M>,
     mut hear: impl FnMut(&str) -> bool,
 ) {
     let write = |out: TcpStream| {
-        let (slot, mut out) = (Arc::clone(slot), socket(out));
+        let (mail, mut out) = (Arc::clone(mail), socket(out));
         move || {
-            while let Some(text) = slot.next() {
-                if out.send(Message::text(&*text)).is_err() {
+            while let Some(message) = mail.take() {
+                if out.send(message).is_err() {
                     break;
                 }
             }
-            slot.close();
+            mail.close();
             // Wakes the reader.
             let _ = out.get_ref().shutdown(Shutdown::Both);
         }
@@ -167,7 +200,7 @@ pub(super) fn converse(
             _ => break,
         }
     }
-    slot.close();
+    mail.close();
 }
 
 /// A socket over an agreed connection, for messages of a few words.

@@ -6,6 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use tungstenite::Message;
+
+use super::server::Mailbox;
+
 /// A page's mail.
 #[derive(Debug, Default)]
 pub(super) struct Slot {
@@ -83,6 +87,16 @@ impl Slot {
         let waits = |mail: &mut Mail| !mail.gone && (mail.sending || !mail.told.is_empty());
         let held = self.changed.wait_timeout_while(self.held(), most, waits);
         drop(held);
+    }
+}
+
+impl Mailbox for Slot {
+    fn take(&self) -> Option<Message> {
+        self.next().map(|text| Message::text(&*text))
+    }
+
+    fn close(&self) {
+        Self::close(self);
     }
 }
 

@@ -83,9 +83,30 @@ pub struct Attachment {
     pub text: String,
 }
 
+/// A place for the topics of a recording and their messages: a file, or those who look on while the run goes on.
+pub trait Store {
+    /// Adds a protobuf schema, a `google.protobuf.FileDescriptorSet`. Returns its number, which counts from 1.
+    ///
+    /// # Errors
+    /// The writer's error.
+    fn schema(&mut self, name: &str, descriptor: &[u8]) -> io::Result<u16>;
+
+    /// Adds a topic with this schema. Returns its number, which counts from 0.
+    ///
+    /// # Errors
+    /// The writer's error.
+    fn channel(&mut self, schema: u16, topic: &str) -> io::Result<u16>;
+
+    /// Adds a message of a topic at a time in nanoseconds.
+    ///
+    /// # Errors
+    /// The writer's error.
+    fn message(&mut self, channel: u16, time: u64, data: &[u8]) -> io::Result<()>;
+}
+
 /// A file in the making.
 #[derive(Debug)]
-pub(super) struct Container<W> {
+pub struct Container<W> {
     out: W,
     position: u64,
     /// Records of schemas and channels: they come again in the summary.
@@ -109,8 +130,60 @@ fn widen(span: &mut Option<(u64, u64)>, time: u64) {
     *span = Some((first.min(time), last.max(time)));
 }
 
+impl<W: Write> Store for Container<W> {
+    fn schema(&mut self, name: &str, descriptor: &[u8]) -> io::Result<u16> {
+        let id = self.schemas.len() as u16 + 1; // a dozen
+        let body = Body::default()
+            .u16(id)
+            .text(name)
+            .text("protobuf")
+            .sized(descriptor);
+        let record = body.record(op::SCHEMA);
+        self.put(&record)?;
+        self.schemas.push(record);
+        Ok(id)
+    }
+
+    fn channel(&mut self, schema: u16, topic: &str) -> io::Result<u16> {
+        let id = self.channels.len() as u16; // a few for each of 256 wires at most
+        let body = Body::default()
+            .u16(id)
+            .u16(schema)
+            .text(topic)
+            .text("protobuf")
+            .sized(&[]);
+        let record = body.record(op::CHANNEL);
+        self.put(&record)?;
+        self.channels.push(record);
+        self.counts.push(0);
+        self.index.push(Vec::new());
+        Ok(id)
+    }
+
+    fn message(&mut self, channel: u16, time: u64, data: &[u8]) -> io::Result<()> {
+        let slot = usize::from(channel);
+        let sequence = self.counts[slot] as u32; // wraps where it has to
+        self.counts[slot] += 1;
+        self.index[slot].push((time, self.chunk.len() as u64));
+        widen(&mut self.span, time);
+        let mut head = [0; 31];
+        head[0] = op::MESSAGE;
+        head[1..9].copy_from_slice(&(22 + data.len() as u64).to_le_bytes());
+        head[9..11].copy_from_slice(&channel.to_le_bytes());
+        head[11..15].copy_from_slice(&sequence.to_le_bytes());
+        head[15..23].copy_from_slice(&time.to_le_bytes());
+        head[23..31].copy_from_slice(&time.to_le_bytes());
+        self.chunk.extend_from_slice(&head);
+        self.chunk.extend_from_slice(data);
+        if self.chunk.len() >= CHUNK {
+            self.close_chunk()?;
+        }
+        Ok(())
+    }
+}
+
 impl<W: Write> Container<W> {
-    pub fn begin(out: W, profile: &str, library: &str) -> io::Result<Self> {
+    pub(super) fn begin(out: W, profile: &str, library: &str) -> io::Result<Self> {
         let mut container = Self {
             out,
             position: 0,
@@ -131,7 +204,7 @@ impl<W: Write> Container<W> {
         Ok(container)
     }
 
-    pub const fn get_mut(&mut self) -> &mut W {
+    pub(super) const fn get_mut(&mut self) -> &mut W {
         &mut self.out
     }
 
@@ -141,7 +214,11 @@ impl<W: Write> Container<W> {
         Ok(())
     }
 
-    pub fn metadata(&mut self, name: &str, values: &BTreeMap<String, String>) -> io::Result<()> {
+    pub(super) fn metadata(
+        &mut self,
+        name: &str,
+        values: &BTreeMap<String, String>,
+    ) -> io::Result<()> {
         let record = Body::default().text(name).map(values).record(op::METADATA);
         let index = Body::default()
             .u64(self.position)
@@ -151,7 +228,7 @@ impl<W: Write> Container<W> {
         self.put(&record)
     }
 
-    pub fn attach(&mut self, file: &Attachment) -> io::Result<()> {
+    pub(super) fn attach(&mut self, file: &Attachment) -> io::Result<()> {
         let size = file.text.len() as u64;
         let mut body = Body::default()
             .u64(0)
@@ -174,61 +251,8 @@ impl<W: Write> Container<W> {
         self.put(&record)
     }
 
-    /// Adds a protobuf schema; its number counts from 1.
-    pub fn schema(&mut self, name: &str, descriptor: &[u8]) -> io::Result<u16> {
-        let id = self.schemas.len() as u16 + 1; // a dozen
-        let body = Body::default()
-            .u16(id)
-            .text(name)
-            .text("protobuf")
-            .sized(descriptor);
-        let record = body.record(op::SCHEMA);
-        self.put(&record)?;
-        self.schemas.push(record);
-        Ok(id)
-    }
-
-    /// Adds a topic; its number counts from 0.
-    pub fn channel(&mut self, schema: u16, topic: &str) -> io::Result<u16> {
-        let id = self.channels.len() as u16; // a few for each of 256 wires at most
-        let body = Body::default()
-            .u16(id)
-            .u16(schema)
-            .text(topic)
-            .text("protobuf")
-            .sized(&[]);
-        let record = body.record(op::CHANNEL);
-        self.put(&record)?;
-        self.channels.push(record);
-        self.counts.push(0);
-        self.index.push(Vec::new());
-        Ok(id)
-    }
-
-    /// Adds a message at a time in nanoseconds.
-    pub fn message(&mut self, channel: u16, time: u64, data: &[u8]) -> io::Result<()> {
-        let slot = usize::from(channel);
-        let sequence = self.counts[slot] as u32; // wraps where it has to
-        self.counts[slot] += 1;
-        self.index[slot].push((time, self.chunk.len() as u64));
-        widen(&mut self.span, time);
-        let mut head = [0; 31];
-        head[0] = op::MESSAGE;
-        head[1..9].copy_from_slice(&(22 + data.len() as u64).to_le_bytes());
-        head[9..11].copy_from_slice(&channel.to_le_bytes());
-        head[11..15].copy_from_slice(&sequence.to_le_bytes());
-        head[15..23].copy_from_slice(&time.to_le_bytes());
-        head[23..31].copy_from_slice(&time.to_le_bytes());
-        self.chunk.extend_from_slice(&head);
-        self.chunk.extend_from_slice(data);
-        if self.chunk.len() >= CHUNK {
-            self.close_chunk()?;
-        }
-        Ok(())
-    }
-
     /// Hands over what is there: a reader finds it even if nothing more comes.
-    pub fn flush(&mut self) -> io::Result<()> {
+    pub(super) fn flush(&mut self) -> io::Result<()> {
         self.close_chunk()?;
         self.out.flush()
     }
@@ -285,7 +309,7 @@ impl<W: Write> Container<W> {
     }
 
     /// Closes the file with its summary.
-    pub fn finish(mut self) -> io::Result<W> {
+    pub(super) fn finish(mut self) -> io::Result<W> {
         self.close_chunk()?;
         self.put(&Body::default().u32(0).record(op::DATA_END))?;
         let (first, last) = self.whole.unwrap_or((0, 0));

@@ -1,10 +1,10 @@
 //! A message's fields in one description: how the message is written, how it is read and its descriptor follow from it.
 //! A field's number is its place in the description; new fields come at the end.
 
-use std::io::{self, Write};
+use std::io;
 use std::mem::discriminant;
 
-use super::container::Container;
+use super::container::Store;
 use super::proto::{Fields, Message, Value};
 use super::schema::{Field, field, file};
 use crate::trace::PlaceUm;
@@ -398,11 +398,8 @@ pub fn full_name<'a, T: Described<'a>>() -> String {
 }
 
 /// Writes the schema of a message, a `google.protobuf.FileDescriptorSet` of it alone; returns its number.
-pub(super) fn schema<'a, T: Described<'a>>(
-    container: &mut Container<impl Write>,
-    of: T,
-) -> io::Result<u16> {
+pub(super) fn schema<'a, T: Described<'a>>(store: &mut impl Store, of: T) -> io::Result<u16> {
     let file = format!("{PACKAGE}/{}.proto", T::NAME);
     let set = descriptor_set(&file, &[MessageSchema::of(of)]);
-    container.schema(&full_name::<T>(), &set)
+    store.schema(&full_name::<T>(), &set)
 }

@@ -16,7 +16,7 @@ mod schema;
 mod told;
 mod topics;
 
-pub use container::Attachment;
+pub use container::{Attachment, Container, Store};
 pub use described::{
     Described, FieldKind, MessageField, MessageSchema, Visit, decode, descriptor_set, encode,
     encoded, full_name,
@@ -32,14 +32,13 @@ use palpate_core::bus::Received;
 
 use crate::i2c::Transfer;
 use crate::readings::{ModulePlaces, Readings, TaxelFrame};
-use crate::trace::{self, Event, Header, Trace, event};
-use container::Container;
+use crate::trace::{self, Event, Header, Trace};
 use described::schema;
-use messages::{Angle, BoardMessage, CanMessage, Line, Stimulus};
+use messages::{CanMessage, Line};
 use proto::Message;
-use scene::{Scene, stamp};
+use scene::stamp;
 use schema::Level;
-use topics::{RunTopics, WireTopics};
+use topics::RunTopics;
 
 /// Version of the topics and what they say; grows when one changes its meaning.
 pub const VERSION: u32 = 1;
@@ -78,13 +77,16 @@ pub fn write_mcap(
 
 /// A recording that grows.
 #[derive(Debug)]
-pub struct McapRecording<W> {
-    container: Container<W>,
+pub struct Recording<S> {
+    store: S,
     can: u16,
     run: Option<RunTopics>,
     /// The message in the making: the same memory for all.
     message: Message,
 }
+
+/// A recording that grows in a file.
+pub type McapRecording<W> = Recording<Container<W>>;
 
 impl<W: Write> McapRecording<W> {
     /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics. Modules are
@@ -115,56 +117,7 @@ impl<W: Write> McapRecording<W> {
         let banner = header.source.banner();
         facts.extend(banner.map(|text| ("banner", text.to_owned())));
         let mut recording = Self::begin(&facts, attachments, out)?;
-        let container = &mut recording.container;
-        let frame = schema(container, event::Frame::default())?;
-        let contact = schema(container, event::Contact::default())?;
-        let truth = schema(container, event::Truth::default())?;
-        let stimulus = schema(container, Stimulus::default())?;
-        let board = schema(container, BoardMessage::default())?;
-        let pin = schema(container, event::Edge::default())?;
-        let celsius = schema(container, event::Temperature::default())?;
-        let felt = schema(container, event::Felt::default())?;
-        let i2c = schema(container, &Transfer::default())?;
-        let log = container.schema(LOG, &foxglove::descriptor())?;
-        let scene = Scene::begin(container, header, modules)?;
-        let mut run = RunTopics {
-            frames: container.channel(frame, "/frames")?,
-            contacts: container.channel(contact, "/contacts")?,
-            truth: container.channel(truth, "/truth")?,
-            boards: container.channel(board, "/boards")?,
-            felt: container.channel(felt, "/felt")?,
-            i2c: container.channel(i2c, "/i2c")?,
-            log: 0,
-            wires: Vec::new(),
-            joints: Vec::new(),
-            face: None,
-            scene,
-            period_ns: header.pre_scale.period_ns(),
-            outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
-        };
-        for wire in 0..header.wires.len() {
-            let mut topic =
-                |schema, what| container.channel(schema, &format!("/wire/{wire}/{what}"));
-            run.wires.push(WireTopics {
-                schedule: topic(stimulus, "schedule")?,
-                pin: topic(pin, "pin")?,
-                wire: topic(celsius, "temperature")?,
-                skin: topic(celsius, "skin")?,
-            });
-        }
-        run.log = container.channel(log, "/events")?;
-        if !header.joints.is_empty() {
-            let id = schema(container, Angle::default())?;
-            for name in &header.joints {
-                run.joints
-                    .push(container.channel(id, &format!("/joints/{name}"))?);
-            }
-        }
-        if header.warmth {
-            let id = schema(container, event::Face::default())?;
-            run.face = Some(container.channel(id, "/face")?);
-        }
-        recording.run = Some(run);
+        recording.run = Some(RunTopics::add(&mut recording.store, header, modules)?);
         Ok(recording)
     }
 
@@ -187,14 +140,56 @@ impl<W: Write> McapRecording<W> {
         metadata.extend(facts.iter().map(|(k, v)| ((*k).to_owned(), v.clone())));
         container.metadata(PROFILE, &metadata)?;
         attachments.iter().try_for_each(|a| container.attach(a))?;
-        let frame = schema(&mut container, CanMessage::default())?;
-        let can = container.channel(frame, "/can")?;
+        Self::empty(container)
+    }
+
+    /// Hands over what is there: whatever comes, a reader finds it.
+    ///
+    /// # Errors
+    /// The writer's error.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.store.flush()
+    }
+
+    /// Writer of the recording.
+    pub const fn get_mut(&mut self) -> &mut W {
+        self.store.get_mut()
+    }
+
+    /// Closes the file with its summary.
+    ///
+    /// # Errors
+    /// The writer's error.
+    pub fn finish(self) -> io::Result<W> {
+        self.store.finish()
+    }
+}
+
+impl<S: Store> Recording<S> {
+    fn empty(mut store: S) -> io::Result<Self> {
+        let frame = schema(&mut store, CanMessage::default())?;
+        let can = store.channel(frame, "/can")?;
         Ok(Self {
-            container,
+            store,
             can,
             run: None,
             message: Message::default(),
         })
+    }
+
+    /// Begins a recording of a run in a place of any kind. Modules are those whose readings will come.
+    ///
+    /// # Errors
+    /// The place's error.
+    pub fn of_run_in(store: S, header: &Header, modules: &[ModulePlaces]) -> io::Result<Self> {
+        let mut recording = Self::empty(store)?;
+        recording.run = Some(RunTopics::add(&mut recording.store, header, modules)?);
+        Ok(recording)
+    }
+
+    /// Place of the recording.
+    pub const fn store_mut(&mut self) -> &mut S {
+        &mut self.store
     }
 
     /// Appends what happened since the last piece, merged by time.
@@ -218,7 +213,7 @@ impl<W: Write> McapRecording<W> {
             {
                 taxels = later;
                 if let Some(run) = &mut self.run {
-                    run.scene.taxels(frame, &mut self.container)?;
+                    run.scene.taxels(frame, &mut self.store)?;
                 }
             }
         }
@@ -231,30 +226,21 @@ impl<W: Write> McapRecording<W> {
         i2c.try_for_each(|transfer| self.transfer(transfer))
     }
 
-    /// Hands over what is there: whatever comes, a reader finds it.
+    /// Adds the picture of the skin, where one is due: a count for each taxel, module by module. A run that is recorded
+    /// with its readings needs no such call.
     ///
     /// # Errors
     /// The writer's error.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.container.flush()
-    }
-
-    /// Writer of the recording.
-    pub const fn get_mut(&mut self) -> &mut W {
-        self.container.get_mut()
-    }
-
-    /// Closes the file with its summary.
-    ///
-    /// # Errors
-    /// The writer's error.
-    pub fn finish(self) -> io::Result<W> {
-        self.container.finish()
+    pub fn picture(&mut self, t_us: u64, counts: &[f32]) -> io::Result<()> {
+        match &mut self.run {
+            Some(run) => run.scene.picture(t_us, counts, &mut self.store),
+            None => Ok(()),
+        }
     }
 
     /// Writes the message in the making.
     fn send(&mut self, channel: u16, t_ns: u64) -> io::Result<()> {
-        self.container.message(channel, t_ns, self.message.bytes())
+        self.store.message(channel, t_ns, self.message.bytes())
     }
 
     fn frame(&mut self, received: &Received) -> io::Result<()> {
@@ -290,7 +276,7 @@ impl<W: Write> McapRecording<W> {
         let Some(run) = &mut self.run else {
             return Ok(());
         };
-        run.scene.event(event, &mut self.container)?;
+        run.scene.event(event, &mut self.store)?;
         if let Some(channel) = run.write(event, &mut self.message) {
             self.send(channel, event.t_ns())?;
         }

@@ -2,14 +2,14 @@
 //! taxels' values as numbers. Pictures come 25 times per second at most; numbers come whole.
 
 use std::array::from_fn;
-use std::io::{self, Write};
+use std::io;
 
-use super::container::Container;
+use super::container::Store;
 use super::described::{encode, schema};
 use super::foxglove::{CLOUD, SCENE, TRANSFORM, descriptor};
 use super::messages::TaxelCounts;
 use super::proto::{Message, pack};
-use crate::readings::{ModulePlaces, Reading, TaxelFrame};
+use crate::readings::{ModulePlaces, TaxelFrame};
 use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
 /// Least time between two pictures, microseconds.
@@ -130,41 +130,41 @@ fn extent(places: &[PlaceUm], pick: fn(&PlaceUm) -> i32) -> (f64, f64) {
 
 impl Scene {
     /// Makes the topics, and says where modules and display lie: side by side, the display below.
-    pub fn begin<W: Write>(
-        container: &mut Container<W>,
+    pub fn begin(
+        store: &mut impl Store,
         header: &Header,
         modules: &[ModulePlaces],
     ) -> io::Result<Self> {
         let types = descriptor();
-        let cloud = container.schema(CLOUD, &types)?;
-        let scene = container.schema(SCENE, &types)?;
-        let transform = container.schema(TRANSFORM, &types)?;
-        let counts = schema(container, TaxelCounts::default())?;
-        let topic = container.channel(scene, "/scene")?;
-        let frames = container.channel(transform, "/frames_of_reference")?;
+        let cloud = store.schema(CLOUD, &types)?;
+        let scene = store.schema(SCENE, &types)?;
+        let transform = store.schema(TRANSFORM, &types)?;
+        let counts = schema(store, TaxelCounts::default())?;
+        let topic = store.channel(scene, "/scene")?;
+        let frames = store.channel(transform, "/frames_of_reference")?;
         let mut pads = Vec::with_capacity(modules.len());
         let (mut right, mut lowest) = (0.0_f64, 0.0_f64);
         for (index, module) in modules.iter().enumerate() {
             pads.push(Pad {
                 places: module.taxels.clone(),
-                taxels: container.channel(counts, &format!("/taxels/{index}"))?,
-                cloud: container.channel(cloud, &format!("/skin/{index}"))?,
+                taxels: store.channel(counts, &format!("/taxels/{index}"))?,
+                cloud: store.channel(cloud, &format!("/skin/{index}"))?,
             });
             let (x, y) = (
                 extent(&module.taxels, |p| p.x),
                 extent(&module.taxels, |p| p.y),
             );
             let left = if index == 0 { x.0 } else { right + GAP_MM };
-            place(container, frames, &frame_id(index), [left - x.0, 0.0, 0.0])?;
+            place(store, frames, &frame_id(index), [left - x.0, 0.0, 0.0])?;
             right = left + (x.1 - x.0);
             lowest = lowest.min(y.0);
         }
         if modules.is_empty() {
-            place(container, frames, &frame_id(0), [0.0; 3])?;
+            place(store, frames, &frame_id(0), [0.0; 3])?;
         }
         let wires: Vec<_> = header.wires.iter().map(|w| w.place).collect();
         let below = lowest - 2.0 * GAP_MM - extent(&wires, |p| p.y).1;
-        place(container, frames, "display", [0.0, below, 0.0])?;
+        place(store, frames, "display", [0.0, below, 0.0])?;
         let shown = |w: &crate::trace::WireInfo| Shown {
             output: (w.board, w.channel),
             place: w.place,
@@ -184,16 +184,12 @@ impl Scene {
     }
 
     /// Takes what happened; a frame that is due brings the picture before it.
-    pub fn event<W: Write>(
-        &mut self,
-        event: &Event,
-        container: &mut Container<W>,
-    ) -> io::Result<()> {
+    pub fn event(&mut self, event: &Event, store: &mut impl Store) -> io::Result<()> {
         match event {
             Event::Frame(frame) => {
                 if frame.t_us >= self.due_us {
                     self.due_us = frame.t_us + PICTURE_US;
-                    self.draw(frame.t_us, container)?;
+                    self.draw(frame.t_us, store)?;
                 }
                 self.contacts.clear();
             }
@@ -217,7 +213,7 @@ impl Scene {
         Ok(())
     }
 
-    fn draw<W: Write>(&self, t_us: u64, container: &mut Container<W>) -> io::Result<()> {
+    fn draw(&self, t_us: u64, store: &mut impl Store) -> io::Result<()> {
         let mut update = Message::default();
         for module in 0..self.pads.len().max(1) {
             let own = self.contacts.iter().filter(|c| usize::from(c.0) == module);
@@ -239,20 +235,13 @@ impl Scene {
             spheres.extend(felt.map(|f| shape(f.energy, 1.5, [2.5; 3], FELT)));
         }
         entity(&mut update, t_us, ("display", "felt"), (SPHERES, &spheres));
-        container.message(self.topic, t_us.saturating_mul(1000), update.bytes())
+        store.message(self.topic, t_us.saturating_mul(1000), update.bytes())
     }
 
     /// A frame's values, and the picture of them where one is due.
-    pub fn taxels<W: Write>(
-        &mut self,
-        frame: &TaxelFrame,
-        container: &mut Container<W>,
-    ) -> io::Result<()> {
+    pub fn taxels(&mut self, frame: &TaxelFrame, store: &mut impl Store) -> io::Result<()> {
         let t_ns = frame.t_us.saturating_mul(1000);
-        let due = frame.t_us >= self.due_cloud_us;
-        if due {
-            self.due_cloud_us = frame.t_us + PICTURE_US;
-        }
+        let due = self.is_cloud_due(frame.t_us);
         let mut rest = &*frame.readings;
         let mut message = Message::default();
         for (module, pad) in self.pads.iter().enumerate() {
@@ -263,23 +252,46 @@ impl Scene {
             let counts: [_; 4] = from_fn(|axis| pack(own.iter().map(|r| r[axis])));
             let mut counts = TaxelCounts(counts.each_ref().map(Message::bytes));
             encode(&mut counts, &mut message);
-            container.message(pad.taxels, t_ns, message.bytes())?;
+            store.message(pad.taxels, t_ns, message.bytes())?;
             if due {
-                let points = points(frame.t_us, &frame_id(module), &pad.places, own);
-                container.message(pad.cloud, t_ns, points.bytes())?;
+                let counts = own.iter().map(|reading| f32::from(reading[3]));
+                let points = points(frame.t_us, &frame_id(module), &pad.places, counts);
+                store.message(pad.cloud, t_ns, points.bytes())?;
             }
         }
         Ok(())
     }
+
+    /// The picture of the taxels, where one is due: a count for each, module by module.
+    pub fn picture(&mut self, t_us: u64, counts: &[f32], store: &mut impl Store) -> io::Result<()> {
+        if !self.is_cloud_due(t_us) {
+            return Ok(());
+        }
+        let mut rest = counts;
+        for (module, pad) in self.pads.iter().enumerate() {
+            let Some((own, others)) = rest.split_at_checked(pad.places.len()) else {
+                break;
+            };
+            rest = others;
+            let own = own.iter().copied();
+            let points = points(t_us, &frame_id(module), &pad.places, own);
+            store.message(pad.cloud, t_us.saturating_mul(1000), points.bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Tells whether a picture of the taxels is due, and counts it as made.
+    const fn is_cloud_due(&mut self, t_us: u64) -> bool {
+        let due = t_us >= self.due_cloud_us;
+        if due {
+            self.due_cloud_us = t_us + PICTURE_US;
+        }
+        due
+    }
 }
 
 /// Places a frame of reference in the one of the whole recording.
-fn place<W: Write>(
-    container: &mut Container<W>,
-    topic: u16,
-    child: &str,
-    at: [f64; 3],
-) -> io::Result<()> {
+fn place(store: &mut impl Store, topic: u16, child: &str, at: [f64; 3]) -> io::Result<()> {
     let mut transform = Message::default();
     transform
         .inner(1, &Message::default())
@@ -287,11 +299,16 @@ fn place<W: Write>(
         .text(3, child)
         .inner(4, &vector(at))
         .inner(5, &upright());
-    container.message(topic, 0, transform.bytes())
+    store.message(topic, 0, transform.bytes())
 }
 
 /// Taxels as points: x, y, z in metres and counts, 32-bit floating point.
-fn points(t_us: u64, frame: &str, places: &[PlaceUm], readings: &[Reading]) -> Message {
+fn points(
+    t_us: u64,
+    frame: &str,
+    places: &[PlaceUm],
+    counts: impl Iterator<Item = f32>,
+) -> Message {
     const FLOAT32: u32 = 7;
     const NAMES: [&str; 4] = ["x", "y", "z", "counts"];
     let mut pose = Message::default();
@@ -308,15 +325,10 @@ fn points(t_us: u64, frame: &str, places: &[PlaceUm], readings: &[Reading]) -> M
         cloud.inner(5, &field);
     }
     let mut data = Vec::with_capacity(16 * places.len());
-    for (place, reading) in places.iter().zip(readings) {
-        let values = [
-            mm(place.x) / 1e3,
-            mm(place.y) / 1e3,
-            0.0,
-            f64::from(reading[3]),
-        ];
-        for value in values {
-            data.extend((value as f32).to_le_bytes());
+    for (place, count) in places.iter().zip(counts) {
+        let metres = |um| (mm(um) / 1e3) as f32;
+        for value in [metres(place.x), metres(place.y), 0.0, count] {
+            data.extend(value.to_le_bytes());
         }
     }
     cloud.data(6, &data);

@@ -1,10 +1,16 @@
 //! The topics of a run, and how an event becomes the message of one of them.
 
-use super::described::{Described, encode};
+use std::io;
+
+use super::container::Store;
+use super::described::{Described, encode, schema};
+use super::foxglove::{self, LOG};
 use super::messages::{Angle, BoardMessage, Stimulus};
 use super::proto::Message;
 use super::scene::Scene;
-use crate::trace::Event;
+use crate::i2c::Transfer;
+use crate::readings::ModulePlaces;
+use crate::trace::{Event, Header, event};
 
 /// Topics of a wire.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +44,62 @@ pub(super) struct RunTopics {
 }
 
 impl RunTopics {
+    /// Adds the topics of a run and their schemas to a recording. Modules are those whose readings will come.
+    pub fn add(
+        store: &mut impl Store,
+        header: &Header,
+        modules: &[ModulePlaces],
+    ) -> io::Result<Self> {
+        let frame = schema(store, event::Frame::default())?;
+        let contact = schema(store, event::Contact::default())?;
+        let truth = schema(store, event::Truth::default())?;
+        let stimulus = schema(store, Stimulus::default())?;
+        let board = schema(store, BoardMessage::default())?;
+        let pin = schema(store, event::Edge::default())?;
+        let celsius = schema(store, event::Temperature::default())?;
+        let felt = schema(store, event::Felt::default())?;
+        let i2c = schema(store, &Transfer::default())?;
+        let log = store.schema(LOG, &foxglove::descriptor())?;
+        let scene = Scene::begin(store, header, modules)?;
+        let mut run = Self {
+            frames: store.channel(frame, "/frames")?,
+            contacts: store.channel(contact, "/contacts")?,
+            truth: store.channel(truth, "/truth")?,
+            boards: store.channel(board, "/boards")?,
+            felt: store.channel(felt, "/felt")?,
+            i2c: store.channel(i2c, "/i2c")?,
+            log: 0,
+            wires: Vec::new(),
+            joints: Vec::new(),
+            face: None,
+            scene,
+            period_ns: header.pre_scale.period_ns(),
+            outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
+        };
+        for wire in 0..header.wires.len() {
+            let mut topic = |schema, what| store.channel(schema, &format!("/wire/{wire}/{what}"));
+            run.wires.push(WireTopics {
+                schedule: topic(stimulus, "schedule")?,
+                pin: topic(pin, "pin")?,
+                wire: topic(celsius, "temperature")?,
+                skin: topic(celsius, "skin")?,
+            });
+        }
+        run.log = store.channel(log, "/events")?;
+        if !header.joints.is_empty() {
+            let id = schema(store, Angle::default())?;
+            for name in &header.joints {
+                run.joints
+                    .push(store.channel(id, &format!("/joints/{name}"))?);
+            }
+        }
+        if header.warmth {
+            let id = schema(store, event::Face::default())?;
+            run.face = Some(store.channel(id, "/face")?);
+        }
+        Ok(run)
+    }
+
     fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
         let wire = self.outputs.iter().position(|o| *o == (board, channel));
         wire.map(|w| self.wires[w])

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{build, dynamic_levels};
 
-fn of(wire: &str) -> Reaction {
+fn of_wire(wire: &str) -> Reaction {
     let mut overrides = palpate_files::Overrides::default();
     overrides.set("--set", wire).unwrap();
     let scene = palpate_files::load_scene("sphere-along").unwrap();
@@ -15,14 +15,14 @@ fn of(wire: &str) -> Reaction {
 
 #[test]
 fn a_wire_moves_within_its_burst_and_is_felt_by_whom_it_reaches() {
-    let loose = of("bench.drive.current_ma=1970");
+    let loose = of_wire("bench.drive.current_ma=1970");
     assert!((0.01e-3..0.01).contains(&loose.moved_s), "{loose:?}");
     assert!(
         loose.felt_s.is_some_and(|s| (0.1e-3..0.1).contains(&s)),
         "{loose:?}"
     );
     // A five-hundredth of the current heats by next to nothing.
-    let weak = of("bench.drive.current_ma=4");
+    let weak = of_wire("bench.drive.current_ma=4");
     assert_eq!(weak.felt_s, None, "{weak:?}");
 }
 

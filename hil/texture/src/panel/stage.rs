@@ -154,7 +154,7 @@ impl<'a> Stage<'a> {
                 let due = controls.iter().rev().find(|c| c.0 <= now.since(begun));
                 let control = due.map(|c| &c.1).filter(|_| now < begun + length);
                 output
-                    .poll(now, &[], control, &mut bank, &mut ())
+                    .turn(now, &[], control, &mut bank, &mut ())
                     .map_err(|e| device(&e))?;
                 now = output.next().max(now + Duration::from_micros(1));
                 now = now.min(until).min(now + TICK);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use burn::prelude::*;
 
 use crate::network::last;
-use crate::recordings::{Known, Material, Rating};
+use crate::recordings::{LabelFacts, Material, Rating};
 use crate::settings::Settings;
 use crate::windows::{Place, Windows};
 
@@ -22,7 +22,7 @@ pub struct Aims {
 impl Aims {
     /// Aims of the settings: with `--heads` roughness, friction and hardness by materials, with `--codes` a corner for
     /// each of the labels, with `--align` two by ratings; else `None`.
-    pub fn new(known: &Known, labels: &[String], settings: &Settings) -> Option<Self> {
+    pub fn new(known: &LabelFacts, labels: &[String], settings: &Settings) -> Option<Self> {
         let (weight, of_label) = if settings.heads > 0.0 {
             (settings.heads, by_materials(&known.materials))
         } else if settings.codes > 0.0 {

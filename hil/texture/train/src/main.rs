@@ -25,7 +25,7 @@ use clap::Parser;
 
 use aims::corners;
 use failure::Failure;
-use recordings::{Known, Recordings};
+use recordings::{LabelFacts, Recordings};
 use settings::Settings;
 use windows::{Scale, Split, Windows};
 
@@ -79,7 +79,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = &arguments.settings;
     eprintln!("training on {}", settings.device.name()?);
     let recordings = Recordings::read(&arguments.data, &arguments.columns, &arguments.without)?;
-    let known = Known::read(&arguments.data)?;
+    let known = LabelFacts::read(&arguments.data)?;
     let shares = <[u32; 3]>::try_from(arguments.split.as_slice())
         .map_err(|_| Failure::Usage("--split: expected three shares, as 80,15,5".into()))?;
     check(arguments, &known)?;
@@ -114,7 +114,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Checks that the settings fit together and that the folder has the tables that they need.
-fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
+fn check(arguments: &Arguments, known: &LabelFacts) -> Result<(), Failure> {
     let settings = &arguments.settings;
     let [heads, aligned, coded] =
         [settings.heads, settings.align, settings.codes].map(|weight| weight > 0.0);

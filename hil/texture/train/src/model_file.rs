@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::failure::{self, Failure};
 use crate::network::Network;
-use crate::recordings::{Known, Material, Rating};
+use crate::recordings::{LabelFacts, Material, Rating};
 use crate::settings::{Progress, Settings};
 use crate::training::{MATERIALS_HOP, Plain, latents};
 use crate::windows::{Place, Split, Windows};
@@ -69,7 +69,7 @@ pub fn drivers(
     network: &Network<Plain>,
     windows: &Windows,
     train: &[usize],
-    (known, heads): (&Known, bool),
+    (known, heads): (&LabelFacts, bool),
 ) -> Latent {
     let places = windows.of(train, if heads { MATERIALS_HOP } else { 4 });
     let latents = latents(network, windows, &places);

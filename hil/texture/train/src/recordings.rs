@@ -64,12 +64,12 @@ impl Material {
 
 /// Facts about labels besides their recordings.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Known {
+pub struct LabelFacts {
     pub ratings: Vec<Rating>,
     pub materials: Vec<Material>,
 }
 
-impl Known {
+impl LabelFacts {
     /// Reads both tables of a folder; a table that is not there is empty.
     pub fn read(folder: &Path) -> Result<Self, Failure> {
         let known = Self {

@@ -52,7 +52,7 @@ fn tables_are_read_by_the_names_of_columns_and_files() {
         (some.columns.len(), some.all[1].values.clone()),
         (1, vec![4.0, 6.5])
     );
-    let known = Known::read(&folder.0).unwrap();
+    let known = LabelFacts::read(&folder.0).unwrap();
     let rating = &known.ratings[0];
     assert!(rating.trained && rating.label == "a" && rating.friction > 3.4);
     assert!(known.materials.is_empty());
@@ -83,13 +83,13 @@ fn materials_say_what_may_be_trained_on_and_over_which_range() {
         )
     };
     folder.write("materials.csv", table("20"));
-    let known = Known::read(&folder.0).unwrap();
+    let known = LabelFacts::read(&folder.0).unwrap();
     let may = ["a", "b", "c", "d"].map(|label| known.may_train(label));
     assert_eq!(may, [true, false, true, true]);
     let ranges = Material::PROPERTIES.map(|of| Material::range(&known.materials, of));
     assert_eq!(ranges, [[20.0, 50.0], [0.4, 0.8], [2.0, 8.0]]);
     folder.write("materials.csv", table("NaN"));
-    let said = Known::read(&folder.0).unwrap_err().to_string();
+    let said = LabelFacts::read(&folder.0).unwrap_err().to_string();
     assert!(said.contains("materials.csv: a: expected relief"), "{said}");
 }
 

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::measure::{self, Components};
 use crate::model_file::{self, About};
 use crate::network::Network;
-use crate::recordings::Known;
+use crate::recordings::LabelFacts;
 use crate::settings::Progress;
 use crate::shown::Shown;
 use crate::training::{self, Plain};
@@ -28,7 +28,7 @@ pub fn run(
     arguments: &Arguments,
     windows: &Windows,
     split: &Split,
-    known: &Known,
+    known: &LabelFacts,
 ) -> Result<(), Failure> {
     let settings = &arguments.settings;
     #[allow(clippy::disallowed_methods)] // progress and --minutes; no result depends on it

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::gru::{Learning, Recurrent};
 use crate::guide::Guide;
 use crate::network::{Network, last};
-use crate::recordings::Known;
+use crate::recordings::LabelFacts;
 use crate::settings::{Progress, Settings};
 use crate::whitening::Whitening;
 use crate::windows::{Place, Split, Windows, shuffle};
@@ -37,7 +37,7 @@ pub type Plain = NdArray;
 pub fn train(
     plain: &Windows,
     split: &Split,
-    known: &Known,
+    known: &LabelFacts,
     settings: &Settings,
     folder: Option<&Path>,
     report: impl FnMut(&Progress) -> bool,
@@ -66,7 +66,7 @@ pub fn train(
 fn train_on<L: Learning>(
     windows: &Windows,
     split: &Split,
-    known: &Known,
+    known: &LabelFacts,
     settings: &Settings,
     folder: Option<&Path>,
     mut report: impl FnMut(&Progress) -> bool,

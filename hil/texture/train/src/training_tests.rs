@@ -8,7 +8,7 @@ use palpate_emulators::sensor::surface::spearman;
 use palpate_files::TextureModel;
 use palpate_tests::reference;
 
-pub fn small() -> (Windows, Split, Known) {
+pub fn small() -> (Windows, Split, LabelFacts) {
     let recording = |n: usize| {
         let label = ["rough", "smooth"][n % 2];
         let at = |row: usize, feature: usize| {
@@ -44,7 +44,7 @@ pub fn small() -> (Windows, Split, Known) {
         relief_um: 20.0 * scale,
         friction: 0.5,
     };
-    let known = Known {
+    let known = LabelFacts {
         ratings: [("rough", 5.0), ("smooth", 2.0)].map(rating).to_vec(),
         materials: [("rough", 4.0), ("smooth", 1.0)].map(material).to_vec(),
     };
@@ -251,8 +251,8 @@ fn without_ratings_roughness_is_what_buzzes() {
     let (windows, split, known) = small();
     let network = Network::<Plain>::new(4, 3, 12, 5, &Default::default());
     let drivers =
-        |known: &Known| model_file::drivers(&network, &windows, &split.train, (known, false));
-    let (rated, unrated) = (drivers(&known), drivers(&Known::default()));
+        |known: &LabelFacts| model_file::drivers(&network, &windows, &split.train, (known, false));
+    let (rated, unrated) = (drivers(&known), drivers(&LabelFacts::default()));
     assert!(rated.roughness.is_some_and(|d| d.with == "ratings"));
     assert!(rated.hardness.is_some() && unrated.hardness.is_none());
     let found = unrated.roughness.unwrap();
