@@ -35,6 +35,8 @@ mod interrupt;
 mod level;
 #[path = "cli/mistakes.rs"]
 mod mistakes;
+#[path = "cli/motors.rs"]
+mod motors;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/project.rs"]

@@ -44,7 +44,11 @@ fn every_scene_fits_every_bench_of_one_display() {
                 || alone.faults.iter().any(on_wires)
                 || source.text().contains("inverse");
             let fits = Setup::load(scene, bench);
-            assert_eq!(fits.is_err(), there.haptics.is_some() && of_wires, "{scene} {bench}");
+            assert_eq!(
+                fits.is_err(),
+                there.haptics.is_some() && of_wires,
+                "{scene} {bench}"
+            );
         }
     }
 }

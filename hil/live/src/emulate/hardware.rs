@@ -116,7 +116,7 @@ impl<'a> Hardware<'a> {
                     place: &self.place,
                     unit: None,
                     heat: None,
-                motors: None,
+                    motors: None,
                 }),
             },
             &mut events,

@@ -195,9 +195,13 @@ pub(super) fn schedule(page: &mut String, trace: &Trace) {
     path_key(&mut legend, "mark off-mark", "M13 0v12", "all off");
     let length = measure::length_us(trace);
     let words = match trace.header.motors {
-        true => "One row a motor; a bar is a burst, as high as its level. On the right the highest level of the motor.",
-        false => "One row a wire; a bar is a burst of pulses, as high \
-             as its pulses are wide. On the right the largest duty of the wire.",
+        true => {
+            "One row a motor; a bar is a burst, as high as its level. On the right the highest level of the motor."
+        }
+        false => {
+            "One row a wire; a bar is a burst of pulses, as high \
+             as its pulses are wide. On the right the largest duty of the wire."
+        }
     };
     let _ = writeln!(
         page,

@@ -110,7 +110,9 @@ fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
         ("limits digest", h.limits_digest.clone()),
     ];
     let of_pulses = |name: &str| PULSES.contains(&name);
-    let facts = facts.into_iter().filter(|(name, _)| !h.motors || !of_pulses(name));
+    let facts = facts
+        .into_iter()
+        .filter(|(name, _)| !h.motors || !of_pulses(name));
     for (name, value) in made.iter().cloned().chain(facts) {
         let long = if value.len() > 40 {
             " class=\"long\""

@@ -147,7 +147,8 @@ pub fn wires_only(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Result
     if bench.value.haptics.is_none() {
         return Ok(());
     }
-    let expected = "a bench of wires: motors run scenes (`hil run`, `sweep`, `test`, `study`) and no more";
+    let expected =
+        "a bench of wires: motors run scenes (`hil run`, `sweep`, `test`, `study`) and no more";
     Err(Failure::File(bench.source.bad("haptics", expected)))
 }
 
