@@ -15,7 +15,7 @@ fn message(frame: u32, x_mm: f64) -> Vec<u8> {
     message.bytes().to_vec()
 }
 
-fn frames(rows: &[(u64, u32, f64)]) -> Vec<Frame> {
+fn told(rows: &[(u64, u32, f64)]) -> Vec<Frame> {
     let messages: Vec<_> = rows
         .iter()
         .map(|(t, frame, x)| (*t, message(*frame, *x)))
@@ -25,14 +25,14 @@ fn frames(rows: &[(u64, u32, f64)]) -> Vec<Frame> {
 
 #[test]
 fn a_frame_of_the_wearer_has_time_and_number_of_the_robots_frame_that_says_the_same() {
-    let robot = frames(&[
+    let robot = told(&[
         (10_000, 1, 0.1),
         (20_000, 2, 0.2),
         (30_000, 3, 0.3),
         (40_000, 4, 0.2),
     ]);
     // The second was lost, the clocks are 4 ms apart, and the last says what a frame before it said.
-    let wearer = frames(&[
+    let wearer = told(&[
         (14_000, 1, 0.1),
         (34_000, 2, 0.3),
         (44_000, 3, 0.2),
