@@ -17,7 +17,7 @@ use palpate_run::{Failure, damaged};
 /// contacts.
 pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);
-    ends(b, "vcd") || (ends(b, "csv") && ends(a, "jsonl"))
+    ends(b, "vcd") || ends(b, "fst") || (ends(b, "csv") && ends(a, "jsonl"))
 }
 
 /// Compares; `args.b` is the capture. The first line says the verdict.
