@@ -62,6 +62,7 @@ mod saved;
 mod scene;
 mod settings;
 mod setup;
+mod shape;
 mod shelf;
 mod source;
 mod stream;
