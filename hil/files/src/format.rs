@@ -87,7 +87,7 @@ const MAGIC: [(&[u8], Format); 21] = [
     ),
     (
         b"GHDLwave",
-        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --vcd=FILE.vcd)"),
+        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --fst=FILE.fst)"),
     ),
     (
         b"LOGG",

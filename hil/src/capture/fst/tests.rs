@@ -206,6 +206,7 @@ fn mutations_of_a_dump_are_read_or_refused() {
                 _ => bytes.insert(at, draw.one(&[0, 1, 0x80, 0xff])),
             }
         }
+        _ = dump::read("a.vcd", &*bytes);
         match read("a.fst", Cursor::new(&bytes)) {
             Ok(_) => read_all += 1,
             Err(error) => {
