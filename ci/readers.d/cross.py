@@ -4,7 +4,8 @@
 
 COUNT files of each format with what their writers leave open drawn by chance: pandas (separators, decimal commas, quotes, times,
 the order of columns), NumPy (types, orders, savetxt), mcap (JSON, several topics, packed chunks), python-can (candump logs), pyvcd
-(a capture of pins, whose verdict against the schedule is that of our own dump).
+(a capture of pins, whose verdict against the schedule is that of our own dump), pylibfst (the same by GTKWave's library, which
+simulators use).
 """
 
 import json
@@ -17,6 +18,7 @@ from pathlib import Path
 import can
 import numpy
 import pandas
+import pylibfst
 from mcap.writer import CompressionType, Writer
 from vcd import VCDWriter
 from vcdvcd import VCDVCD
@@ -151,6 +153,37 @@ def by_pyvcd(own, folder, draw):
     return verdict(folder, path)
 
 
+def by_pylibfst(own, folder, draw):
+    """The pins of our dump by GTKWave's library: other packings, sections, scopes, order and time scale."""
+    path, library = folder / "again.fst", pylibfst.lib
+    exponent, steps = draw.choice([(-9, 1), (-10, 10), (-11, 100)])
+    names = [name for name in own.signals if own[name].size == "1"]
+    draw.shuffle(names)
+    writer = library.fstWriterCreate(str(path).encode(), 1)
+    library.fstWriterSetPackType(writer, draw.choice([0, 1, 2]))
+    library.fstWriterSetTimescale(writer, exponent)
+    changes, pins = [], {}
+    for name in names:
+        *scopes, pin = name.split(".")
+        for scope in scopes:
+            library.fstWriterSetScope(writer, 0, scope.encode(), b"")
+        pins[name] = library.fstWriterCreateVar(writer, 16, 0, 1, pin.encode(), 0)
+        for _ in scopes:
+            library.fstWriterSetUpscope(writer)
+        changes += [(time, name, value) for time, value in own[name].tv]
+    now = None
+    for time, name, value in sorted(changes, key=lambda change: change[0]):
+        if time != now:
+            if now is not None and draw.random() < 0.01:
+                library.fstWriterFlushContext(writer)
+            now = time
+            library.fstWriterEmitTimeChange(writer, steps * time)
+        library.fstWriterEmitValueChange(writer, pins[name], value.encode())
+    library.fstWriterEmitTimeChange(writer, steps * own.endtime)
+    library.fstWriterClose(writer)
+    return verdict(folder, path)
+
+
 def main():
     counts = touch()
     with tempfile.TemporaryDirectory() as name:
@@ -172,10 +205,11 @@ def main():
         print(f"  python-can: {max(1, COUNT // 10)} logs, the same run of all")
         subprocess.run([HIL, "run", "sphere-along", "--quiet", "--record", str(folder / "run.jsonl"), "--record", str(folder / "run.vcd")], check=True)
         own, expected = VCDVCD(str(folder / "run.vcd"), store_tvs=True), verdict(folder, folder / "run.vcd")
-        for seed in range(max(1, COUNT // 10)):
-            if (found := by_pyvcd(own, folder, random.Random(seed))) != expected:
-                sys.exit(f"pyvcd, seed {seed}: another verdict than of our dump:\n{found}\n{expected}")
-        print(f"  pyvcd: {max(1, COUNT // 10)} captures, the verdict of our dump for all")
+        for writer in (by_pyvcd, by_pylibfst):
+            for seed in range(max(1, COUNT // 10)):
+                if (found := writer(own, folder, random.Random(seed))) != expected:
+                    sys.exit(f"{writer.__name__}, seed {seed}: another verdict than of our dump:\n{found}\n{expected}")
+            print(f"  {writer.__name__}: {max(1, COUNT // 10)} captures, the verdict of our dump for all")
 
 
 main()

@@ -61,6 +61,8 @@ mod run;
 mod serve;
 #[path = "cli/serve_crowd.rs"]
 mod serve_crowd;
+#[path = "cli/serve_packed.rs"]
+mod serve_packed;
 #[path = "cli/serve_waits.rs"]
 mod serve_waits;
 #[path = "cli/shell.rs"]

@@ -17,6 +17,8 @@ pub enum Format {
     Golden,
     /// Value change dump.
     Vcd,
+    /// Value change dump, packed by GTKWave's library.
+    Fst,
     /// A page.
     Html,
     /// JUnit XML.
@@ -47,7 +49,7 @@ pub enum Format {
 }
 
 /// Binary formats by their first bytes.
-const MAGIC: [(&[u8], Format); 20] = [
+const MAGIC: [(&[u8], Format); 21] = [
     (b"\x89MCAP0\r\n", Format::Mcap),
     (b"\x1f\x8b", Format::Binary("gzip (unpack it first)")),
     (
@@ -78,13 +80,14 @@ const MAGIC: [(&[u8], Format); 20] = [
         b"#ROSBAG",
         Format::Binary("a ROS 1 bag (mcap convert FILE.bag FILE.mcap)"),
     ),
+    (b"\0\0\0\0\0\0\0\x01\x49", Format::Fst),
     (
-        b"\0\0\0\0\0\0\0\x01\x49",
-        Format::Binary("an FST dump (fst2vcd FILE.fst > FILE.vcd)"),
+        b"\xFE\0\0\0",
+        Format::Binary("an FST dump that is packed as a whole (fst2vcd FILE.fst > FILE.vcd)"),
     ),
     (
         b"GHDLwave",
-        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --vcd=FILE.vcd)"),
+        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --fst=FILE.fst)"),
     ),
     (
         b"LOGG",
@@ -255,6 +258,7 @@ impl Format {
         !matches!(
             self,
             Self::Mcap
+                | Self::Fst
                 | Self::Safetensors
                 | Self::Onnx
                 | Self::Numpy
@@ -274,6 +278,7 @@ impl Format {
             Self::Contacts => "contacts (CSV)",
             Self::Golden => "a golden",
             Self::Vcd => "a value change dump (VCD)",
+            Self::Fst => "a value change dump (FST)",
             Self::Html => "an HTML page",
             Self::Junit => "JUnit XML",
             Self::Svg => "an SVG drawing",

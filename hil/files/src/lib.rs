@@ -63,6 +63,7 @@ mod saved;
 mod scene;
 mod settings;
 mod setup;
+mod shape;
 mod shelf;
 mod source;
 mod stream;

@@ -26,6 +26,7 @@ pub struct Unpacked<R> {
     /// Bytes of the record under way that are handed out as they are; the magic is none of them.
     passing: u64,
     is_begun: bool,
+    has_unpacked: bool,
 }
 
 /// Opens an MCAP file, and unpacks its chunks as they are read.
@@ -45,7 +46,13 @@ impl<R: Read> Unpacked<R> {
             at: 0,
             passing: 0,
             is_begun: false,
+            has_unpacked: false,
         }
+    }
+
+    /// True once a chunk was unpacked: from there on bytes are not those of the file.
+    pub const fn has_unpacked(&self) -> bool {
+        self.has_unpacked
     }
 
     /// Reads up to `most` bytes behind those that are ready; false where the stream ends before.
@@ -80,6 +87,7 @@ impl<R: Read> Unpacked<R> {
             self.ready.truncate(1);
             self.ready.extend((chunk.len() as u64).to_le_bytes());
             self.ready.extend(chunk);
+            self.has_unpacked = true;
         }
         Ok(())
     }

@@ -80,7 +80,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
             changes += usize::from(signal.set(now, high));
         }
         if changes > MOST_CHANGES {
-            return Err(too_long(label, number));
+            return Err(too_long(label, Some(number)));
         }
         row += 1;
     }

@@ -3,18 +3,16 @@
 //! Line by line, word by word, so that a dump of any length takes the memory of its edges. Times begin at the first stamp. An
 //! unknown level (x) and the time between `$dumpoff` and `$dumpon` are not seen.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 
 use palpate_files::{FileError, LONGEST_LINE, Lines, Text};
 
-use super::edges::{Capture, Signal};
+use super::declared::{Declared, Wrong};
+use super::edges::Capture;
 use super::{MOST_CHANGES, too_long};
 
 /// Most words of a declaration: a path of scopes has no more.
 const MOST_WORDS: usize = 256;
-/// Most bytes of the names that are kept.
-const MOST_NAMES: usize = 1 << 20;
 /// Kinds of variables that are no levels.
 const NO_LEVELS: [&str; 6] = [
     "real",
@@ -45,12 +43,9 @@ enum Pending {
 /// A dump as far as it was read.
 struct Dump {
     capture: Capture,
+    declared: Declared<String>,
     section: Section,
     words: Vec<String>,
-    scopes: Vec<String>,
-    /// Bytes of the names that are kept.
-    kept: usize,
-    places: BTreeMap<String, usize>,
     /// Length of a tick: numerator and denominator of nanoseconds.
     tick: Option<(u64, u64)>,
     in_body: bool,
@@ -70,11 +65,9 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
     let mut lines = Lines::over(Text::new(label, input, LONGEST_LINE));
     let mut dump = Dump {
         capture: Capture::default(),
+        declared: Declared::none(),
         section: Section::Values,
         words: Vec::new(),
-        scopes: Vec::new(),
-        kept: 0,
-        places: BTreeMap::new(),
         tick: None,
         in_body: false,
         pending: None,
@@ -111,7 +104,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
             break;
         }
         if dump.changes > MOST_CHANGES {
-            return Err(too_long(label, last));
+            return Err(too_long(label, Some(last)));
         }
     }
     if !dump.in_body {
@@ -130,9 +123,6 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
     capture.notes.extend(lines.note());
     Ok(capture)
 }
-
-/// Expectation and finding.
-type Wrong = (&'static str, String);
 
 impl Dump {
     fn word(&mut self, word: &str) -> Result<(), Wrong> {
@@ -203,10 +193,7 @@ impl Dump {
                 return;
             }
             "$enddefinitions" => self.in_body = true,
-            "$upscope" => {
-                let left = self.scopes.pop().map_or(0, |scope| scope.len() + 1);
-                self.kept -= left;
-            }
+            "$upscope" => self.declared.leave(),
             "$var" | "$scope" | "$timescale" => {
                 self.words.clear();
                 self.section = Section::Words(word.to_owned());
@@ -224,11 +211,9 @@ impl Dump {
         };
         let words = std::mem::take(&mut self.words);
         match keyword.as_str() {
-            "$scope" => {
-                let name = words.last().cloned().unwrap_or_default();
-                self.keep(name.len() + 1)?;
-                self.scopes.push(name);
-            }
+            "$scope" => self
+                .declared
+                .enter(words.last().cloned().unwrap_or_default())?,
             "$timescale" => {
                 let text = words.concat();
                 let tick = tick(&text);
@@ -241,7 +226,7 @@ impl Dump {
         Ok(())
     }
 
-    /// Declares a variable of one bit; others have no level. A second name of the same one is another address of it.
+    /// Declares a variable of one bit; others have no level.
     fn variable(&mut self, words: &[String]) -> Result<(), Wrong> {
         let [kind, width, code, name, index @ ..] = words else {
             let expected = "a kind, a width, a code and a name behind $var";
@@ -250,39 +235,8 @@ impl Dump {
         if width != "1" || NO_LEVELS.contains(&kind.as_str()) {
             return Ok(());
         }
-        let name = format!("{}{}", name.trim_start_matches('\\'), index.concat());
-        let path = self
-            .scopes
-            .iter()
-            .chain([&name])
-            .cloned()
-            .collect::<Vec<_>>()
-            .join(".");
-        self.keep(name.len() + path.len())?;
-        let signals = &mut self.capture.signals;
-        match self.places.get(code) {
-            Some(place) => signals[*place].addresses.extend([name, path]),
-            None => {
-                self.places.insert(code.clone(), signals.len());
-                signals.push(Signal {
-                    name,
-                    addresses: vec![path],
-                    ..Signal::default()
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn keep(&mut self, bytes: usize) -> Result<(), Wrong> {
-        self.kept += bytes;
-        match self.kept > MOST_NAMES {
-            true => Err((
-                "names of scopes and signals of at most 1 MiB",
-                "more".into(),
-            )),
-            false => Ok(()),
-        }
+        let name = [name].into_iter().chain(index).map(String::as_str);
+        self.declared.add(code.clone(), name)
     }
 
     fn stamp(&mut self, text: &str) -> Result<(), Wrong> {
@@ -301,10 +255,10 @@ impl Dump {
     }
 
     fn change(&mut self, code: &str, level: Option<bool>) {
-        let Some(&place) = self.places.get(code) else {
+        let Some(place) = self.declared.place(code) else {
             return;
         };
-        let signal = &mut self.capture.signals[place];
+        let signal = &mut self.declared.signals[place];
         match level {
             Some(high) => self.changes += usize::from(signal.set(self.now, high)),
             None => signal.lose(self.now),
@@ -329,6 +283,7 @@ impl Dump {
     fn finish(mut self) -> Capture {
         self.recorded_again();
         let mut capture = self.capture;
+        capture.signals = self.declared.signals;
         let (up, down) = self.tick.unwrap_or((1, 1));
         capture.resolution_ns = (up / down).max(1);
         capture.end_ns = self.now;
@@ -345,11 +300,11 @@ fn shortened(text: &str) -> String {
 }
 
 /// A level by its sign; none within for an unknown one. Floating is not driven.
-fn level(sign: u8) -> Option<Option<bool>> {
+pub(super) fn level(sign: u8) -> Option<Option<bool>> {
     match sign {
         b'1' | b'h' | b'H' => Some(Some(true)),
         b'0' | b'l' | b'L' | b'z' | b'Z' => Some(Some(false)),
-        b'x' | b'X' | b'u' | b'U' | b'w' | b'W' | b'-' => Some(None),
+        b'x' | b'X' | b'u' | b'U' | b'w' | b'W' | b'-' | b'?' => Some(None),
         _ => None,
     }
 }

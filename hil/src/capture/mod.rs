@@ -8,8 +8,10 @@ mod align;
 mod compare;
 mod coverage;
 mod csv;
+mod declared;
 mod dump;
 mod edges;
+mod fst;
 mod plan;
 mod tally;
 
@@ -27,9 +29,9 @@ use palpate_live::progress::Progress;
 /// Most changes of all signals of a capture, 16 bytes each.
 const MOST_CHANGES: usize = 4 << 20;
 
-fn too_long(label: &str, line: usize) -> FileError {
+fn too_long(label: &str, line: Option<usize>) -> FileError {
     FileError {
-        line: Some(line),
+        line,
         ..FileError::whole(
             label,
             format!("at most {MOST_CHANGES} changes"),
@@ -38,27 +40,28 @@ fn too_long(label: &str, line: usize) -> FileError {
     }
 }
 
-/// Reads a capture: VCD, or CSV as sigrok or Saleae's Logic write it. One that is cut short or damaged gives
+/// Reads a capture: VCD, FST, or CSV as sigrok or Saleae's Logic write it. A text that is cut short or damaged gives
 /// what came before, with a note in [`Capture::notes`].
 ///
 /// # Errors
-/// [`FileError`] for a file of another kind, or one without a digital signal.
+/// [`FileError`] for a file of another kind, a damaged FST dump, or a file without a digital signal.
 pub fn read(path: &Path) -> Result<Capture, FileError> {
     let label = path.display().to_string();
-    let expected = "a capture, VCD or CSV";
+    let expected = "a capture, VCD, FST or CSV";
     let named = path.extension().is_some_and(|e| e == "csv");
-    let is_csv = match format_of(path) {
-        Some(Format::Vcd) => false,
-        Some(Format::Csv) => true,
+    let format = match format_of(path) {
         // A CSV of one column, or with remarks, has no mark.
-        Some(Format::Toml) | None => named,
-        Some(format) => return Err(FileError::whole(label, expected, format.noun())),
+        Some(Format::Toml) | None if named => Format::Csv,
+        Some(Format::Toml) | None => Format::Vcd,
+        Some(format) => format,
     };
     let _shown = Progress::reading(path);
-    let file = open(path, expected)?;
-    let capture = match is_csv {
-        true => csv::read(&label, file)?,
-        false => dump::read(&label, file)?,
+    let file = || open(path, expected);
+    let capture = match format {
+        Format::Csv => csv::read(&label, file()?)?,
+        Format::Vcd => dump::read(&label, file()?)?,
+        Format::Fst => fst::read(&label, file()?)?,
+        other => return Err(FileError::whole(label, expected, other.noun())),
     };
     if capture.signals.is_empty() {
         return Err(FileError::whole(&label, "a digital signal", "none"));

@@ -84,3 +84,7 @@ fn work(coming: Receiver<Batch>, back: &Sender<Batch>, each: &mut Each<'_>) -> R
     }
     Ok(())
 }
+
+#[cfg(test)]
+#[path = "ahead_tests.rs"]
+mod tests;

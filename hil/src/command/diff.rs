@@ -40,7 +40,7 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     }
     if args.window.is_some() {
         return Err(Failure::Input(
-            "--window: expected a schedule (.jsonl) and a capture (.vcd, .csv) to compare, found other files".into(),
+            "--window: expected a schedule (.jsonl) and a capture (.vcd, .fst, .csv) to compare, found other files".into(),
         ));
     }
     let all = pairs.iter().map(|(a, b)| found(args, a, b));

@@ -9,15 +9,16 @@ use palpate_records::verdict::Verdict;
 use super::schedules::{read_log, wires};
 use crate::capture::{self, Comparison, Measurement};
 use crate::cli::{Color, DiffArgs};
-use palpate_files::{LONGEST_LINE, Lines};
+use palpate_files::{Format, LONGEST_LINE, Lines, format_of};
 use palpate_live::output::{note, print, print_json};
 use palpate_run::{Failure, damaged};
 
-/// Tells whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
-/// contacts.
+/// Tells whether the second of two files is a capture, by its first bytes or its name. A CSV is one beside a schedule, and contacts
+/// beside anything else.
 pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);
-    ends(b, "vcd") || (ends(b, "csv") && ends(a, "jsonl"))
+    let is_dump = matches!(format_of(b), Some(Format::Vcd | Format::Fst));
+    is_dump || ends(b, "vcd") || ends(b, "fst") || (ends(b, "csv") && ends(a, "jsonl"))
 }
 
 /// Compares; `args.b` is the capture. The first line says the verdict.

@@ -1,5 +1,11 @@
 //! Recordings of other makers: every row of the table in `docs/recordings.md`, on a small file of the same format.
 
+use std::collections::BTreeMap;
+
+use fst_writer::{
+    FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalType, FstVarDirection, FstVarType,
+};
+
 use super::*;
 
 const ROWS: usize = 60;
@@ -162,8 +168,59 @@ fn packed(file: &[u8]) -> Vec<u8> {
     [magic, &[6], &wide(chunk.len()), &chunk, end].concat()
 }
 
+/// The pins of a dump of ours as a simulator's FST.
+fn as_fst(vcd: &str) -> Vec<u8> {
+    let info = FstInfo {
+        start_time: 0,
+        timescale_exponent: -9,
+        version: String::new(),
+        date: String::new(),
+        file_type: FstFileType::Verilog,
+    };
+    let (bit, way) = (FstSignalType::bit_vec(1), FstVarDirection::Output);
+    let mut fst = FstHeaderWriter::write_to_mem(&info).unwrap();
+    let mut pins = BTreeMap::new();
+    let (names, changes) = vcd.split_once("$enddefinitions $end\n").unwrap();
+    for line in names.lines() {
+        match line.split(' ').collect::<Vec<_>>()[..] {
+            ["$scope", "module", name, _] => {
+                fst.scope(name, "", FstScopeType::Module).unwrap();
+            }
+            ["$upscope", _] => fst.up_scope().unwrap(),
+            ["$var", "wire", "1", code, name, _] => {
+                let pin = fst.var(name, bit, FstVarType::Wire, way, None).unwrap();
+                pins.insert(code, pin);
+            }
+            _ => {}
+        }
+    }
+    let mut fst = fst.finish().unwrap();
+    for line in changes.lines() {
+        match (
+            line.split_at(1),
+            line.get(1..).and_then(|code| pins.get(code)),
+        ) {
+            (("#", time), _) => fst.time_change(time.parse().unwrap()).unwrap(),
+            ((level, _), Some(pin)) => fst.signal_change(*pin, level.as_bytes()).unwrap(),
+            _ => {}
+        }
+    }
+    fst.finish().unwrap().into_inner()
+}
+
+/// Pins of a run, and their schedule.
+fn write_pins(folder: &Folder) {
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (plan, vcd) = (path("plan.jsonl"), path("pins.vcd"));
+    let run = ["run", "sphere-along", "--quiet"];
+    good(&[&run[..], &["--record", &plan, "--record", &vcd]].concat());
+    fs::write(folder.path("pins.fst"), as_fst(&folder.text("pins.vcd"))).unwrap();
+    folder.write("pins.ghw", "GHDLwave\n");
+}
+
 /// A file of every format in the table.
 fn write_all(folder: &Folder) {
+    write_pins(folder);
     let axis = |c: usize| ["X", "Y", "Z"][c % 3];
     let taxel = |c: usize| format!("txl{}_{}", c / 3 + 1, axis(c).to_lowercase());
     let own = names(taxel, ",");
@@ -328,7 +385,7 @@ fn every_row_of_the_table_does_what_it_says() {
                 assert_eq!(said.status, Some(0), "{command}: {}", said.err);
                 assert_eq!(untimed(&said.out), expected, "{command}");
             }
-            "run;" => assert_eq!(said.status, Some(0), "{command}: {}", said.err),
+            "run;" | "compared" => assert_eq!(said.status, Some(0), "{command}: {}", said.err),
             _ => assert_eq!(said.status, Some(2), "{command}: {}", said.err),
         }
         // Names stand between backquotes in a message, and between quotes in a cell.
@@ -338,5 +395,5 @@ fn every_row_of_the_table_does_what_it_says() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 29, "the rows of the table");
+    assert_eq!(rows, 32, "the rows of the table");
 }

@@ -327,7 +327,7 @@ fn a_run_that_is_served_has_the_same_records() {
 }
 
 /// A run of the circle as a record.
-fn recorded(folder: &Folder, name: &str, more: &[&str]) {
+pub(super) fn recorded(folder: &Folder, name: &str, more: &[&str]) {
     let mut args = vec!["run", "sphere-circle", "--set", "length_s=4", "--quiet"];
     args.extend(["--record", name]);
     args.extend(more);
@@ -336,7 +336,7 @@ fn recorded(folder: &Folder, name: &str, more: &[&str]) {
 }
 
 /// What a page is told when it says something.
-fn answer(page: &mut WebSocket<TcpStream>, wish: &str, key: &str) -> Value {
+pub(super) fn answer(page: &mut WebSocket<TcpStream>, wish: &str, key: &str) -> Value {
     page.send(Message::text(wish.to_owned())).unwrap();
     next(page, key)[key].clone()
 }

@@ -14,6 +14,7 @@ use super::error::{FileError, said};
 use super::made::Lines;
 use super::objects::flatten;
 use super::packed::{Unpacked, open_unpacked};
+use super::shape::Shape;
 use cdr::Definition;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -44,6 +45,8 @@ pub(super) struct Messages {
     note: String,
     /// Names of the columns, once they are known.
     names: Vec<String>,
+    /// The text that messages in JSON have around their numbers, if they have the same.
+    shape: Option<Shape>,
 }
 
 /// Returns true if a file holds frames of a bus, like those that this program writes, or ends before it states what
@@ -131,6 +134,7 @@ impl Messages {
             name,
             note,
             names: Vec::new(),
+            shape: None,
         })
     }
 
@@ -148,11 +152,21 @@ impl Lines for Messages {
         if message.channel != self.topic {
             return Ok(true);
         }
+        if let Some(shape) = &mut self.shape {
+            let before = text.len();
+            text.extend(message.log_ns.to_string().bytes());
+            if shape.add(&message.data, text) {
+                text.push(b'\n');
+                return Ok(true);
+            }
+            text.truncate(before);
+        }
         let Some(leaves) = self.records.leaves(&message)? else {
             return Ok(true);
         };
         if self.names.is_empty() {
             self.names = leaves.iter().map(|(name, _)| name.clone()).collect();
+            self.shape = Shape::of(&message.data, &self.names);
             text.extend(format!("time_ns,{}\n", self.names.join(",")).bytes());
         }
         let is_same = leaves.len() == self.names.len()

@@ -5,14 +5,14 @@
 //! there is no queue but the socket.
 
 use std::ffi::OsStr;
-use std::fs::File;
+use std::fs::{File, OpenOptions, remove_file};
 use std::io::{self, BufReader, Read};
 use std::net::{SocketAddr, TcpStream};
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use palpate_files::open;
+use palpate_files::{Unpacked, open};
 use palpate_run::Failure;
 use palpate_run::recorded::{Player, Recorded};
 use serde::Deserialize;
@@ -67,6 +67,22 @@ impl Read for From {
     }
 }
 
+/// All that a reader gives, as a file without a name, which ends with the program.
+fn laid_out(input: &mut impl Read) -> Result<File, Failure> {
+    let number = u64::from_le_bytes(crate::link::key::random()?);
+    let path = std::env::temp_dir().join(format!("palpate-{number:016x}.mcap"));
+    let unwritten = |error| Failure::Write {
+        path: path.display().to_string(),
+        error,
+    };
+    let mut options = OpenOptions::new();
+    let options = options.read(true).write(true).create_new(true).mode(0o600);
+    let mut file = options.open(&path).map_err(unwritten)?;
+    remove_file(&path).map_err(unwritten)?;
+    io::copy(input, &mut file).map_err(unwritten)?;
+    Ok(file)
+}
+
 impl Recordings {
     /// Reads recordings through, once.
     ///
@@ -83,11 +99,19 @@ impl Recordings {
             let label = path.display().to_string();
             let file = Arc::new(open(path, "a recording of a run (.mcap)")?);
             let _shown = Progress::reading(path);
-            let whole = From {
-                file: Arc::clone(&file),
-                at: 0,
+            let from_start = |file: &Arc<File>| {
+                Unpacked::new(From {
+                    file: Arc::clone(file),
+                    at: 0,
+                })
             };
-            let recorded = Arc::new(Recorded::read(&label, BufReader::new(whole))?);
+            let mut whole = from_start(&file);
+            let recorded = Arc::new(Recorded::read(&label, BufReader::new(&mut whole))?);
+            // Moments are found by their places, which packed chunks do not have.
+            let file = match whole.has_unpacked() {
+                true => Arc::new(laid_out(&mut from_start(&file))?),
+                false => file,
+            };
             let own = path.file_name().filter(|own| alone(own));
             let name = own.map_or(label, |own| own.to_string_lossy().into_owned());
             Ok(Recording {
