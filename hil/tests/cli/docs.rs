@@ -240,10 +240,12 @@ impl<'a> Walk<'a> {
     fn new(page: &'a Path, text: &str) -> Self {
         let name = page.file_stem().unwrap().to_string_lossy().into_owned();
         let folder = Folder::new(&format!("docs-{name}"));
-        // Stand-ins for what a reader has: a recording, a scene of the playground, and where goldens lie.
+        // Stand-ins for what a reader has: a recording, a trace, a scene of the playground, and where goldens lie.
         let recording = contacts::recording(&folder, 200);
         folder.write("taxels.csv", &fs::read_to_string(&recording).unwrap());
         folder.write("meta_data.csv", "frequency_hz\n41.3\n");
+        let trace = include_str!("../../../fixtures/traces/hidden.csv");
+        folder.write("hidden.csv", trace);
         let by_hand = palpate_fixtures::scene("by-hand").unwrap();
         folder.write("touched.toml", by_hand);
         fs::create_dir_all(folder.path("fixtures/goldens")).unwrap();
