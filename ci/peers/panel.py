@@ -4,21 +4,26 @@
     hil texture panel --json | python panel.py check              every U and p of a panel computed again, to 1e-9
     cat PANELS.json | python panel.py several                     what panels of several seeds come to: how often display and
                                                                   finger agree (Wilson's intervals), and what goes with what
+
+`several` needs nothing but Python.
 """
 
 import json
+import math
 import sys
-
-import numpy as np
-from scipy.stats import mannwhitneyu
+from statistics import median
 
 
 def scipys(a, b):
+    from scipy.stats import mannwhitneyu
+
     found = mannwhitneyu(a, b, alternative="two-sided", method="asymptotic")
     return float(found.statistic), float(found.pvalue)
 
 
 def oracle():
+    import numpy as np
+
     draw = np.random.default_rng(1)
     sizes = [(12, 12), (12, 12), (12, 36), (4, 4), (1, 1), (3, 8), (40, 25)]
     cases = []
@@ -43,31 +48,42 @@ def check(panel):
     return 0 if count and worst <= 1e-9 else 1
 
 
-def wilson(hits, count, z=1.959964):
-    share, spread = hits / count, z * z / count
+def wilson(hits, z=1.959964):
+    """How often it holds, with an interval of 95 %."""
+    count, share = len(hits), sum(hits) / len(hits)
+    spread = z * z / count
     middle = (share + spread / 2) / (1 + spread)
-    half = z * np.sqrt(share * (1 - share) / count + spread / (4 * count)) / (1 + spread)
-    return f"{hits} of {count}: {share:.2f} ({middle - half:.2f} to {middle + half:.2f})"
+    half = z * math.sqrt(share * (1 - share) / count + spread / (4 * count)) / (1 + spread)
+    return f"{sum(hits)} of {count}: {share:.2f} ({middle - half:.2f} to {middle + half:.2f})"
 
 
 def several(text):
+    """Prints tables of all panels: their textures where they are few, agreement, rank correlations."""
     decoder, panels = json.JSONDecoder(), []
     while text := text.lstrip():
         panel, end = decoder.raw_decode(text)
         panels.append(panel)
         text = text[end:]
-    agree = np.array([[[t["p"] >= 0.05 for t in texture["tests"]] for texture in panel["textures"]] for panel in panels])
     names = [texture["name"] for texture in panels[0]["textures"]]
+    agree = {name: [[t["p"] >= 0.05 for t in panel["textures"][n]["tests"]] for panel in panels] for n, name in enumerate(names)}
     if len(names) <= 12:
-        print("agrees, of", len(panels), "panels: roughness, friction, both; driven, median")
+        print(f"| of {len(panels)} panels | driven | level, dB: median, least | tap, dB: median, least | roughness agrees | friction agrees |")
+        print("|---|---:|---:|---:|---:|---:|")
         for n, name in enumerate(names):
-            driven = np.median([panel["textures"][n]["driven"] for panel in panels])
-            print(f"  {name:<14}", *agree[:, n].sum(0), agree[:, n].all(1).sum(), f"{driven:.2f}")
-    for what, hits in [("roughness", agree[:, :, 0]), ("friction", agree[:, :, 1]), ("both", agree.all(2))]:
-        print(f"{what} agrees", wilson(int(hits.sum()), hits.size))
+            rows = [panel["textures"][n] for panel in panels]
+            level, tap = ([row[key] for row in rows] for key in ("level_db", "tap_db"))
+            cells = [f"{median(row['driven'] for row in rows):.2f}"]
+            cells += [f"{median(of):.1f}, {min(of):.1f}" for of in (level, tap)]
+            print("|", " | ".join([name, *cells, *(str(sum(hits)) for hits in zip(*agree[name]))]), "|")
+        print()
+    print(f"| {len(names)} textures, {len(panels)} panels | display and finger agree |\n|---|---|")
+    every = [test for tests in agree.values() for test in tests]
+    for what, hits in [("roughness", [r for r, _ in every]), ("friction", [f for _, f in every]), ("both", [all(both) for both in every])]:
+        print(f"| {what} | {wilson(hits)} |")
+    print("\n| | rank correlation: median, range |\n|---|---|")
     for what in panels[0]["spearman"]:
         ranks = [panel["spearman"][what] for panel in panels]
-        print(f"{what}: {np.median(ranks):.2f} ({min(ranks):.2f} to {max(ranks):.2f})")
+        print(f"| {what} | {median(ranks):.2f} ({min(ranks):.2f} to {max(ranks):.2f}) |")
 
 
 if sys.argv[1:] == ["oracle"]:

@@ -276,10 +276,7 @@ impl Output {
             if let Some(Texture::Contacts(weave)) = &mut self.texture {
                 *weave = None; // the widths are the stroke's now
             }
-            let stated = Stated {
-                length: dab.duration,
-                woven: None,
-            };
+            let stated = Stated::whole(dab.duration);
             self.activate(onset, &[target], Some(stated));
             self.render(
                 now,

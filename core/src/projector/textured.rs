@@ -53,7 +53,7 @@ impl Output {
         };
         let (length, prescale) = (self.timing.duration, self.guard.prescale());
         *weave = texture.map(|control| Weave::new(onset, length, prescale, control));
-        weave.as_ref().map(Weave::stated)
+        weave.as_ref().map(|weave| weave.stated(&self.guard))
     }
 
     /// Widens what is left of a thinned-out burst where no renderer did; returns when its first pulses end.

@@ -5,6 +5,7 @@
 //! them the phantom's place stay. On both, fewer pulses are stronger, by the root of how many are left out: the renderer
 //! finds the widths for that, and without it they grow in proportion, as far as the guard allows.
 
+use crate::guard::Guard;
 use crate::render::{Density, Stated};
 use crate::texture::{Control, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
@@ -54,11 +55,21 @@ impl Weave {
         }
     }
 
-    /// Time for which every wire is on, and the pulses that are left of it.
-    pub(super) fn stated(&self) -> Stated {
+    /// Burst as the renderer needs it: the pulses that are left, and the part of its energy that the guard books for their
+    /// stimuli.
+    pub(super) fn stated(&self, guard: &Guard) -> Stated {
+        const WIDTH: Ticks = Ticks::new(1000);
+        let whole = Stated::whole(self.end.since(self.start));
+        let (mut left, mut booked_nj) = (*self, 0);
+        while left.next() < Instant::FAR_FUTURE
+            && let Some((at, until)) = left.due(left.next())
+        {
+            booked_nj += guard.energy_nj(WIDTH, until.since(at));
+        }
         Stated {
-            length: self.end.since(self.start),
             woven: Some(self.pulses.count_ones() as u8), // at most 128
+            booked: booked_nj as f32 / guard.energy_nj(WIDTH, whole.length).max(1) as f32,
+            ..whole
         }
     }
 

@@ -1,6 +1,9 @@
 //! Tests of `weave.rs`.
 
 use super::*;
+use crate::guard::{HARD, Plant, WornWire};
+use crate::illusion::DisplayWire;
+use crate::units::{Board, Channel, Point};
 use alloc::vec::Vec;
 
 /// 5.07904 ms.
@@ -47,6 +50,29 @@ fn every_burst_begins_with_a_pulse_and_pulses_grow_with_the_rate() {
         before = pulses;
     }
     assert_eq!(before, 7);
+}
+
+#[test]
+fn the_renderer_hears_of_what_the_guard_will_book() {
+    let wire = DisplayWire {
+        place: Point::new(0.0, 0.0),
+        board: Board(0),
+        channel: Channel(0),
+    };
+    let guard = Guard::new(HARD, Plant::default(), &[wire], WornWire::default()).unwrap();
+    let width = Ticks::new(60);
+    for (rate_hz, pulses) in [(200, 7), (100, 4), (66, 3)] {
+        let weave = weave(rate_hz);
+        let stated = weave.stated(&guard);
+        assert_eq!((stated.length, stated.woven), (BURST, Some(pulses)));
+        let runs = played(weave).into_iter();
+        let spans = runs.map(|(from, to)| Duration::from_micros(to - from));
+        let booked: u64 = spans.map(|span| guard.energy_nj(width, span)).sum();
+        let whole = guard.energy_nj(width, BURST) as f32;
+        let off = booked as f32 - stated.booked * whole;
+        assert!(off.abs() < 1e-3 * whole, "{rate_hz}: {stated:?} {booked}");
+    }
+    assert!((weave(200).stated(&guard).booked - 1.0).abs() < 1e-6);
 }
 
 #[test]

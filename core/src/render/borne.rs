@@ -29,7 +29,7 @@ impl RenderSettings {
         let part = |rests: bool, uw: f32| {
             let pulses = self.pattern.pulses(self.style.taps(rests, &self.pattern));
             let length = self.pattern.lasts(pulses);
-            let most = bearable(guard, &rested, 0, Instant::ZERO, length);
+            let most = bearable(guard, &rested, 0, (Instant::ZERO, length), 1.0);
             let tick_nj = guard.energy_nj(Ticks::new(1000), length) as f32 * 1e-3;
             let even = uw * soa_ms / tick_nj;
             let fewer = f32::from(pulses) / f32::from(self.pattern.pulses(false));

@@ -121,12 +121,25 @@ impl RenderSettings {
 }
 
 /// Bursts of which another has chosen the length, such as those of a texture or a known stroke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
     /// Time for which every wire is on.
     pub length: Duration,
     /// Pulses that a texture leaves of every burst; `None` for as many as fit in.
     pub woven: Option<u8>,
+    /// Part of a whole burst's energy that the guard books for what is left of it.
+    pub booked: f32,
+}
+
+impl Stated {
+    /// Bursts without a texture.
+    pub const fn whole(length: Duration) -> Self {
+        Self {
+            length,
+            woven: None,
+            booked: 1.0,
+        }
+    }
 }
 
 /// The renderer and all its memory.
@@ -192,17 +205,19 @@ impl Renderer {
         for target in targets {
             scale = scale.min(self.aim(at, target, stated, guard));
         }
-        let part = self.widen(at, stated.and_then(|s| s.woven), guard);
+        let part = self.widen(at, stated, guard);
         self.reached.add(scale * part);
-        self.spend(at, guard);
+        self.spend(at, stated, guard);
         &self.volleys
     }
 
     /// Takes the pulses from the reserves of their wires.
-    fn spend(&mut self, at: Instant, guard: &Guard) {
+    fn spend(&mut self, at: Instant, stated: Option<Stated>, guard: &Guard) {
         for (reserve, volley) in self.reserves.iter_mut().zip(&self.volleys) {
             if volley.width > Ticks::ZERO {
-                reserve.spend(at, guard.energy_nj(volley.width, volley.length));
+                let whole_nj = guard.energy_nj(volley.width, volley.length);
+                let booked_nj = |s: Stated| (whole_nj as f32 * s.booked) as u64;
+                reserve.spend(at, stated.map_or(whole_nj, booked_nj));
             }
         }
     }
@@ -220,6 +235,7 @@ impl Renderer {
             ..
         } = &self.settings;
         let response = self.settings.answer(stated.and_then(|s| s.woven));
+        let booked = stated.map_or(1.0, |s| s.booked);
         let track = self.tracks.follow(target.place, at);
         let tap = style.taps(track.rests, pattern);
         let lasts = |pulses: u8| stated.map_or(pattern.lasts(pulses), |s| s.length);
@@ -243,7 +259,8 @@ impl Renderer {
         for (wire, (one, n)) in self.one.iter_mut().zip(&self.counts).enumerate() {
             if *one > 0.0 {
                 *one *= full * calibration.gain(wire);
-                let most = bearable(guard, &self.reserves[wire], wire, at, lasts(*n));
+                let reserve = &self.reserves[wire];
+                let most = bearable(guard, reserve, wire, (at, lasts(*n)), booked);
                 scale = scale.min(response.amplitude(most) / *one);
             }
         }
@@ -279,8 +296,9 @@ impl Renderer {
 
     /// Converts amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker
     /// alike: each keeps its part of the power. Returns the part of every amplitude that is left.
-    fn widen(&mut self, at: Instant, woven: Option<u8>, guard: &Guard) -> f32 {
-        let response = self.settings.answer(woven);
+    fn widen(&mut self, at: Instant, stated: Option<Stated>, guard: &Guard) -> f32 {
+        let response = self.settings.answer(stated.and_then(|s| s.woven));
+        let booked = stated.map_or(1.0, |s| s.booked);
         let bears = SLOW * guard.fingertip_nj(at) as f32;
         let mut left = 1.0;
         for _ in 0..=CORRECTIONS {
@@ -291,10 +309,11 @@ impl Renderer {
                     total += guard.energy_nj(volley.width, volley.length);
                 }
             }
-            if total as f32 <= bears {
+            let total_nj = total as f32 * booked;
+            if total_nj <= bears {
                 break;
             }
-            let part = bears / total as f32;
+            let part = bears / total_nj;
             self.amplitudes.iter_mut().for_each(|a| *a *= part);
             left *= part;
         }
@@ -309,8 +328,14 @@ fn first(pattern: &Pattern) -> f32 {
     libm::sqrtf(1.0 / (1.0 - libm::expf(-soa_s / LEAK_S)))
 }
 
-/// The widest pulse, ticks, of which a wire bears a burst of this length.
-fn bearable(guard: &Guard, reserve: &Reserve, wire: usize, at: Instant, length: Duration) -> f32 {
+/// The widest pulse, ticks, of which a wire bears a burst of this length, or what is left of it that books so large a part.
+fn bearable(
+    guard: &Guard,
+    reserve: &Reserve,
+    wire: usize,
+    (at, length): (Instant, Duration),
+    booked: f32,
+) -> f32 {
     let Some(budget) = guard.budget(wire, at, at + length) else {
         return 0.0;
     };
@@ -321,7 +346,7 @@ fn bearable(guard: &Guard, reserve: &Reserve, wire: usize, at: Instant, length: 
     let rows = budget.energy_nj.iter().map(part);
     let left = rows.fold(SLOW * reserve.left_nj(at), f32::min);
     let tick = guard.energy_nj(Ticks::new(1000), length) as f32 / 1000.0;
-    (left / tick).min(f32::from(budget.widest.get()))
+    (left / (tick * booked)).min(f32::from(budget.widest.get()))
 }
 
 #[cfg(test)]

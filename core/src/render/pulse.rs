@@ -3,7 +3,7 @@
 use crate::guard::Guard;
 use crate::units::{Instant, Ticks};
 
-use super::{Renderer, Volley, bearable};
+use super::{Renderer, Stated, Volley, bearable};
 
 /// Fewest pulses a second by which a texture's energy is shared out: a rarer pulse is felt alone.
 const RAREST_HZ: f32 = 1.0;
@@ -59,26 +59,29 @@ impl Renderer {
         widths: &mut [Ticks],
         guard: &Guard,
     ) {
-        let length = until.since(at);
-        let response = self.settings.answer(Some(pulses));
+        let stated = Stated {
+            woven: Some(pulses),
+            ..Stated::whole(until.since(at))
+        };
+        let response = self.settings.answer(stated.woven);
         let states = self.amplitudes.iter_mut().zip(&mut self.volleys);
         let states = states.zip(&self.reserves).zip(&*widths);
         for (wire, (((mine, volley), reserve), width)) in states.enumerate() {
             *mine = match *width {
                 Ticks::ZERO => 0.0,
                 _ => {
-                    let most = bearable(guard, reserve, wire, at, length);
+                    let most = bearable(guard, reserve, wire, (at, stated.length), stated.booked);
                     let wanted = amplitude * self.settings.calibration.gain(wire);
                     wanted.min(response.amplitude(most))
                 }
             };
             *volley = Volley {
                 width: Ticks::ZERO,
-                length,
+                length: stated.length,
             };
         }
-        self.widen(at, Some(pulses), guard);
-        self.spend(at, guard);
+        self.widen(at, Some(stated), guard);
+        self.spend(at, Some(stated), guard);
         for (width, volley) in widths.iter_mut().zip(&self.volleys) {
             *width = volley.width;
         }

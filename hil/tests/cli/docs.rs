@@ -27,7 +27,7 @@ enum Step {
 /// A command of a page: its comment tells its status.
 fn command(line: &str, number: usize) -> Option<Step> {
     let line = line.trim().replace("cargo run --release -- ", "hil ");
-    if !["hil ", "palpate-bench "]
+    if !["hil ", "palpate-bench ", "for "]
         .iter()
         .any(|program| line.starts_with(program))
     {
@@ -160,7 +160,8 @@ fn steps(page: &str) -> Vec<Step> {
 fn needs(command: &str) -> Option<&'static str> {
     let words: Vec<&str> = command.split_whitespace().collect();
     let has = |w: &str| words.contains(&w);
-    if command.starts_with("palpate-bench") && std::env::var_os("PALPATE_FIGURES").is_none() {
+    let is_long = command.starts_with("palpate-bench") || command.starts_with("for ");
+    if is_long && std::env::var_os("PALPATE_FIGURES").is_none() {
         Some("minutes")
     } else if has("--can") || has("--i2c") || command.contains("/dev/") {
         Some("devices")
@@ -195,12 +196,13 @@ fn needs(command: &str) -> Option<&'static str> {
 pub fn shell(command: &str, folder: &Folder) -> Said {
     let (program, path) = (env!("CARGO_BIN_EXE_hil"), std::env::var("PATH").unwrap());
     let bin = Path::new(program).parent().unwrap().display();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let bench = format!(
-        "cargo run --quiet --release --locked --manifest-path {} -p palpate-bench --",
+        "cargo run --quiet --release --locked --manifest-path {}/Cargo.toml -p palpate-bench --",
         root.display()
     );
     let command = command.replace("palpate-bench", &bench);
+    let command = command.replace("ci/peers/", &format!("{}/ci/peers/", root.display()));
     let mut shell = Command::new("sh");
     shell.args(["-c", &command]).current_dir(&folder.0);
     shell
@@ -242,10 +244,12 @@ impl<'a> Walk<'a> {
     fn new(page: &'a Path, text: &str) -> Self {
         let name = page.file_stem().unwrap().to_string_lossy().into_owned();
         let folder = Folder::new(&format!("docs-{name}"));
-        // Stand-ins for what a reader has: a recording, a scene of the playground, and where goldens lie.
+        // Stand-ins for what a reader has: a recording, a trace, a scene of the playground, and where goldens lie.
         let recording = contacts::recording(&folder, 200);
         folder.write("taxels.csv", &fs::read_to_string(&recording).unwrap());
         folder.write("meta_data.csv", "frequency_hz\n41.3\n");
+        let trace = include_str!("../../../fixtures/traces/hidden.csv");
+        folder.write("hidden.csv", trace);
         let by_hand = palpate_fixtures::scene("by-hand").unwrap();
         folder.write("touched.toml", by_hand);
         fs::create_dir_all(folder.path("fixtures/goldens")).unwrap();
