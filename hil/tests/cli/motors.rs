@@ -38,10 +38,10 @@ fn records_of_motors_name_levels_and_motors() {
     let summary: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(summary["motors"]["kind"], "lra");
     assert!(summary["hottest_wire_c"].is_null());
-    let page = std::fs::read_to_string(folder.0.join("r.html")).unwrap();
+    let page = fs::read_to_string(folder.0.join("r.html")).unwrap();
     assert!(page.contains("motor 7") && page.contains("largest level"));
     assert!(!page.contains("wire 7") && !page.contains("PWM, true"));
-    let schedule = std::fs::read_to_string(folder.0.join("s.jsonl")).unwrap();
+    let schedule = fs::read_to_string(folder.0.join("s.jsonl")).unwrap();
     assert!(schedule.lines().count() > 500);
 }
 
