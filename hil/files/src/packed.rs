@@ -50,7 +50,8 @@ impl<R: Read> Unpacked<R> {
         }
     }
 
-    /// True once a chunk was unpacked: from there on bytes are not those of the file.
+    /// Returns true once a chunk was unpacked. From there on the bytes are not those of the file.
+    #[must_use]
     pub const fn has_unpacked(&self) -> bool {
         self.has_unpacked
     }

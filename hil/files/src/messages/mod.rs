@@ -7,7 +7,7 @@ mod cdr;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use super::error::{FileError, said};
@@ -253,7 +253,7 @@ impl Records {
                 op::SCHEMA => drop(self.schema(&body)),
                 op::CHANNEL => drop(self.channel(&body)),
                 op::MESSAGE => {
-                    if let Some(message) = message(&body) {
+                    if let Some(message) = message(body) {
                         return Ok(Some(message));
                     }
                 }
@@ -273,10 +273,15 @@ impl Records {
             let expected = format!("records of at most {MOST_RECORD} bytes");
             return Err(FileError::whole(&self.label, expected, format!("{length}")));
         }
-        let mut body = Vec::new();
-        let read = (&mut self.input).take(length).read_to_end(&mut body);
-        let read = read.map_err(|e| FileError::whole(&self.label, "a readable file", said(&e)))?;
-        Ok((read as u64 == length).then(|| (kind[0], body)))
+        let mut body = vec![0; length as usize];
+        match self.input.read_exact(&mut body) {
+            Ok(()) => Ok(Some((kind[0], body))),
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+            Err(error) => {
+                let found = said(&error);
+                Err(FileError::whole(&self.label, "a readable file", found))
+            }
+        }
     }
 
     fn of_chunk(&mut self) -> Option<(u8, Vec<u8>)> {
@@ -384,16 +389,18 @@ impl Records {
     }
 }
 
-fn message(body: &[u8]) -> Option<Message> {
-    let mut bytes = Bytes(body);
+fn message(mut body: Vec<u8>) -> Option<Message> {
+    let mut bytes = Bytes(&body);
     let channel = bytes.number(2)? as u16;
     bytes.take(4)?;
     let log_ns = bytes.number(8)?;
     bytes.take(8)?;
+    let head = body.len() - bytes.0.len();
+    body.drain(..head);
     Some(Message {
         channel,
         log_ns,
-        data: bytes.0.to_vec(),
+        data: body,
     })
 }
 

@@ -29,7 +29,7 @@ const SKIPPED: u8 = 255;
 /// Length of a header, bytes.
 const HEADER_LENGTH: u64 = 329;
 
-/// Places of a dump's blocks: their kinds, the offsets behind these, and lengths.
+/// A block: its kind, the offset behind the kind, and its length.
 type Block = (u8, u64, u64);
 
 /// A signal that is read.
