@@ -77,7 +77,7 @@ fn by_two(rows: Result<Rows<Input>, FileError>) -> Seen {
     let end = match end {
         Ok(mut rows) => Ok((rows.count(), rows.notes())),
         Err(Failure::Input(text)) => Err(text),
-        Err(other) => Err(format!("{other:?}")),
+        Err(other) => Err(other.to_string()),
     };
     (seen, end)
 }
