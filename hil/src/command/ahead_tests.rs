@@ -76,8 +76,7 @@ fn by_two(rows: Result<Rows<Input>, FileError>) -> Seen {
     });
     let end = match end {
         Ok(mut rows) => Ok((rows.count(), rows.notes())),
-        Err(Failure::Input(text)) => Err(text),
-        Err(other) => Err(other.to_string()),
+        Err(failure) => Err(failure.to_string()),
     };
     (seen, end)
 }

@@ -154,6 +154,11 @@ fn every_built_in_scene_runs_on_every_built_in_bench() {
                 assert!(said.err.contains("fingers"), "{}", said.err);
                 continue;
             }
+            if bench_file.haptics.is_some() && said.status == Some(2) {
+                // A law, a texture or a fault of wires.
+                assert!(said.err.contains("motors"), "{scene}: {}", said.err);
+                continue;
+            }
             let summary: Value = serde_json::from_str(&said.out).unwrap();
             let meant = summary["onsets"]["meant"].as_u64().unwrap();
             let verdict = match scene {
