@@ -10,6 +10,7 @@
 
 pub mod display;
 pub mod haptic;
+pub mod motors;
 pub mod network;
 pub mod person;
 pub mod sensor;

@@ -19,6 +19,7 @@ mod overrun;
 mod plant;
 mod power;
 mod rest;
+mod setting;
 mod table;
 mod thermal;
 mod used;
@@ -36,6 +37,7 @@ pub use observed::Observed;
 pub use overrun::Overrun;
 pub use plant::{Plant, PlantError};
 pub use power::Spent;
+pub use setting::Setting;
 pub use thermal::Predicted;
 pub use used::Used;
 pub use watchdog::Cause;
@@ -53,27 +55,6 @@ use overrun::Ending;
 use power::{Bucket, Window};
 use thermal::Heat;
 use watchdog::Watchdog;
-
-/// The setting of one channel from now on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Setting {
-    /// Tick at which the pulse starts in each period.
-    pub on: u16,
-    /// Tick at which the pulse ends; equal to `on` for a channel that is off.
-    pub off: u16,
-}
-
-impl Setting {
-    /// Ticks of a period that the channel is on for.
-    const fn width(&self) -> u16 {
-        self.off.saturating_sub(self.on)
-    }
-
-    /// Returns true if the pulses of two channels of one board are never on together.
-    const fn is_apart(&self, other: &Self) -> bool {
-        self.off <= other.on || other.off <= self.on
-    }
-}
 
 /// An update of one board that the guard has passed. Only the guard can make one: its fields are
 /// private and there is no other constructor, so a driver that takes a `Guarded` takes nothing else.

@@ -9,7 +9,6 @@ pub mod erm;
 pub mod exposure;
 pub mod lra;
 pub mod tca9548a;
-pub mod worn;
 
 use erm::Erm;
 use lra::Lra;

@@ -8,7 +8,7 @@ use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
 use palpate_emulators::display::pca9685::Pca9685;
 use palpate_emulators::display::peltier::{PeltierHandle, SensorDefect};
 use palpate_emulators::haptic::MotorFault;
-use palpate_emulators::haptic::worn::WornMotors;
+use palpate_emulators::motors::WornMotors;
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;

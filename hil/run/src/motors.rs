@@ -7,7 +7,7 @@ use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::haptic::exposure::Exposure;
-use palpate_emulators::haptic::worn::{MotorPlace, WornMotors};
+use palpate_emulators::motors::{MotorPlace, WornMotors};
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_files::{BenchHaptics, Drive, Setup};

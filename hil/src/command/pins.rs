@@ -19,7 +19,10 @@ pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);
     let is_dump = matches!(format_of(b), Some(Format::Vcd | Format::Fst));
     let is_beside_contacts = ends(a, "csv");
-    (is_dump && !is_beside_contacts) || ends(b, "vcd") || ends(b, "fst") || (ends(b, "csv") && ends(a, "jsonl"))
+    (is_dump && !is_beside_contacts)
+        || ends(b, "vcd")
+        || ends(b, "fst")
+        || (ends(b, "csv") && ends(a, "jsonl"))
 }
 
 /// Compares; `args.b` is the capture. The first line says the verdict.

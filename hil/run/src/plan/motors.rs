@@ -3,11 +3,12 @@
 use palpate_core::driver::{HapticCalibration, HapticChannel, HapticMotor};
 use palpate_core::guard::MotorLimits;
 use palpate_core::units::Duration;
+use palpate_emulators::haptic::Coil;
 use palpate_emulators::haptic::Motor;
 use palpate_emulators::haptic::contact::Contact;
 use palpate_emulators::haptic::erm::{Erm, ErmParameters};
 use palpate_emulators::haptic::lra::{Lra, LraParameters};
-use palpate_emulators::haptic::{Coil, worn::MotorPlace};
+use palpate_emulators::motors::MotorPlace;
 use palpate_emulators::person::channels::Person;
 use palpate_files::{BenchHaptics, HapticDriver, MotorKind, Setup};
 

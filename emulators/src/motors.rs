@@ -2,12 +2,12 @@
 
 use palpate_core::physics::ParameterError;
 
-use super::contact::Contact;
-use super::drv2605::Drv2605;
-use super::exposure::Exposure;
-use super::tca9548a::Tca9548a;
-use super::{Drive, Motor};
 use crate::display::i2c::{BusClock, Error, I2cHandle, I2cSegment};
+use crate::haptic::contact::Contact;
+use crate::haptic::drv2605::Drv2605;
+use crate::haptic::exposure::Exposure;
+use crate::haptic::tca9548a::Tca9548a;
+use crate::haptic::{Drive, Motor};
 use crate::person::channels::{Felt, Person};
 use crate::person::vibration::{Feeler, Shake};
 use crate::time::Nanos;
