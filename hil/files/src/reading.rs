@@ -168,6 +168,10 @@ pub struct Text<R> {
     /// Number of NULs that were held back, and a flag that text came before them.
     nuls: u64,
     begun: bool,
+    /// True where the first read waits for a full beginning.
+    waits: bool,
+    /// Error behind a beginning that is read first.
+    wrong: Option<io::Error>,
 }
 
 impl<R> fmt::Debug for Text<R> {
@@ -205,6 +209,18 @@ impl<R: Read> Text<R> {
             length: 0,
             nuls: 0,
             begun: false,
+            waits: false,
+            wrong: None,
+        }
+    }
+
+    /// The text, whose beginning does not depend on where the reads of a pipe end: it tells how the rest is written. A live stream
+    /// does not wait for it.
+    #[must_use]
+    pub fn waiting(self) -> Self {
+        Self {
+            waits: true,
+            ..self
         }
     }
 
@@ -217,6 +233,24 @@ impl<R: Read> Text<R> {
                 self.label, self.line, self.nuls
             )
         })
+    }
+
+    /// Reads until `out` is full or the input ends.
+    fn begin(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let mut filled = 0;
+        while filled < out.len() {
+            match self.input.read(&mut out[filled..]) {
+                Ok(0) => break,
+                Ok(read) => filled += read,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if filled == 0 => return Err(error),
+                Err(error) => {
+                    self.wrong = Some(error);
+                    break;
+                }
+            }
+        }
+        Ok(filled)
     }
 
     fn refuse(&self, expected: String, found: String) -> io::Error {
@@ -295,11 +329,17 @@ impl<R: Read> Text<R> {
 impl<R: Read> Read for Text<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         loop {
-            let mut read = self.input.read(out)?;
+            if let Some(error) = self.wrong.take() {
+                return Err(error);
+            }
+            let first = self.line == 1 && self.length == 0 && !self.begun;
+            let mut read = match first && self.waits {
+                true => self.begin(out)?,
+                false => self.input.read(out)?,
+            };
             if read == 0 {
                 return Ok(0);
             }
-            let first = self.line == 1 && self.length == 0 && !self.begun;
             if first && out[..read].starts_with(b"\xEF\xBB\xBF") {
                 out.copy_within(3..read, 0);
                 read -= 3;

@@ -115,7 +115,7 @@ fn table(
             }
         }
     };
-    Ok((Text::new(label, input, longest), note))
+    Ok((Text::new(label, input, longest).waiting(), note))
 }
 
 /// The beginning of a file's table, and what is to be said of the file.

@@ -45,7 +45,7 @@ fn open(text: &[u8], lengths: &[usize], has_times: bool) -> Result<Rows<Input>, 
         lengths: lengths.to_vec(),
         reads: 0,
     });
-    let text = Text::new("a.csv", input, LONGEST_LINE);
+    let text = Text::new("a.csv", input, LONGEST_LINE).waiting();
     Rows::over(text, Take::Taxels(&columns), Some(&timing))
 }
 
