@@ -118,7 +118,10 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
 
 /// Does a fault to a motor, its driver or the switch before it, or mends it.
 pub(super) fn on_motor(bench: &Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
-    let motors = bench.display.as_ref().and_then(|d| d.motors);
+    // A page has no bench of motors.
+    let is_page = cfg!(target_family = "wasm");
+    let display = bench.display.as_ref().filter(|_| !is_page);
+    let motors = display.and_then(|d| d.motors);
     let Some((motors, motor)) = motors.zip(fault.motor) else {
         return;
     };

@@ -292,7 +292,7 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
-        if let Some(haptics) = &self.setup.bench.value.haptics {
+        if let Some(haptics) = plan::motors_of(&self.setup.bench)? {
             return self.on_motors(haptics, (levels, truth), skin, end, host);
         }
         let whole = Place::whole(&self.setup.bench.value);
