@@ -304,7 +304,7 @@ pub(super) fn level(sign: u8) -> Option<Option<bool>> {
     match sign {
         b'1' | b'h' | b'H' => Some(Some(true)),
         b'0' | b'l' | b'L' | b'z' | b'Z' => Some(Some(false)),
-        b'x' | b'X' | b'u' | b'U' | b'w' | b'W' | b'-' | b'?' => Some(None),
+        b'x' | b'X' | b'u' | b'U' | b'w' | b'W' | b'-' => Some(None),
         _ => None,
     }
 }
