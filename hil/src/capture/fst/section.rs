@@ -132,7 +132,7 @@ impl Section {
             let coded = rest.number().ok_or_else(wrong)?;
             let (sign, steps) = match coded & 1 {
                 0 => (b"01"[((coded >> 1) & 1) as usize], coded >> 2),
-                _ => (b"xzhuwl-?"[((coded >> 1) & 7) as usize], coded >> 4),
+                _ => (b"xzhuwl--"[((coded >> 1) & 7) as usize], coded >> 4),
             };
             index = index.saturating_add(steps);
             if index >= self.times.len() as u64 {
