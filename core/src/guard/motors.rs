@@ -164,13 +164,8 @@ impl Motors {
         let left_s = self.left_s(index, at) - used * until.since(at).as_secs_f64();
         let (volts, kept) = (l.volts(level), l.left(until.since(at)));
         let motor = &mut self.each[index];
-        motor.rise_k = before * kept
-            + l.rise_k_v2 * volts * volts * (1.0 - kept)
-            + if level > Ticks::ZERO {
-                l.overdriven_k()
-            } else {
-                0.0
-            };
+        motor.rise_k =
+            before * kept + l.rise_k_v2 * volts * volts * (1.0 - kept) + l.overdriven_k();
         motor.left_s = left_s;
         motor.at = until.max(motor.at);
     }
@@ -306,7 +301,6 @@ impl Guard {
         }
         let latest = self.latest(&self.burst_at(index, at));
         let asked = Stimulus {
-            width: Ticks::new(s.width.get().min(Ticks::PER_PERIOD)),
             until: s.until.min(latest),
             ..*s
         };

@@ -87,8 +87,8 @@ fn displacement_bounds_the_voltage() {
     assert_eq!(entry.off, 2457);
     assert_eq!(entry.reason, Some(Reason::Displacement));
     assert_eq!(level, 76);
-    let (_, entry) = one(&mut guard, 2000, ms(200), ms(300));
-    assert_eq!((entry.off, entry.reason), (2000, None));
+    let (_, entry) = one(&mut guard, 2457, ms(200), ms(300));
+    assert_eq!((entry.off, entry.reason), (2457, None));
 }
 
 #[test]
@@ -134,6 +134,54 @@ fn the_coil_warms_by_voltage_and_overdrive_and_bounds_both() {
 }
 
 #[test]
+fn the_coil_s_earlier_heat_leaves_less() {
+    let mut guard = guard(MotorLimits {
+        rise_k: 1.2,
+        ..EASY
+    });
+    one(&mut guard, 4096, ms(0), ms(400));
+    guard.expire_vibration(ms(400), Board(0)).unwrap();
+    let before = guard.coil_rise_k(ms(440));
+    let kept = libm::exp(-0.04);
+    let room = 1.2 - before * kept - 45.0 * (1.0 - libm::exp(-0.002));
+    let volts = (room / (5.0 * (1.0 - kept))).sqrt();
+    let (_, entry) = one(&mut guard, 4096, ms(440), ms(840));
+    assert_eq!(f64::from(entry.off), (volts / 2.0 * 4096.0).floor());
+    assert_eq!(entry.reason, Some(Reason::CoilHeat));
+    assert!((guard.coil_rise_k(ms(840)) - 1.2).abs() < 1e-3);
+}
+
+#[test]
+fn the_duty_cuts_a_burst_to_the_time_that_is_left() {
+    // 5 s of ten, less four fifths of a half of 10.5 s.
+    assert!((EASY.saved_s() - 0.8).abs() < 1e-12);
+    let mut guard = guard(EASY);
+    let left_us = |guard: &mut Guard, at: u64| {
+        let (_, entry) = one(guard, 4096, ms(at), ms(at + 490));
+        guard.expire_vibration(entry.until, Board(0)).unwrap();
+        (entry.until.since(ms(at)).as_micros(), entry.reason)
+    };
+    // While it is on, a motor uses six tenths of the time; in 30 ms off it saves up 12 ms.
+    assert_eq!(left_us(&mut guard, 0), (490_000, None)); // 0.8 s before, 0.506 s after
+    assert_eq!(left_us(&mut guard, 520), (490_000, None)); // 0.518 s and 0.224 s
+    let (cut_us, reason) = left_us(&mut guard, 1040); // 0.236 s
+    assert!((235_998..=236_000).contains(&cut_us), "{cut_us}");
+    assert_eq!(reason, Some(Reason::Duty));
+}
+
+#[test]
+fn a_stimulus_as_long_as_the_time_that_is_left_is_whole() {
+    let limits = MotorLimits {
+        burst: Duration::from_millis(2000),
+        ..EASY
+    };
+    let (_, cut) = one(&mut guard(limits), 4096, ms(0), ms(1000));
+    assert_eq!(cut.reason, Some(Reason::Duty));
+    let (_, whole) = one(&mut guard(limits), 4096, ms(0), cut.until);
+    assert_eq!((whole.until, whole.reason), (cut.until, None));
+}
+
+#[test]
 fn no_ten_seconds_have_more_than_the_duty() {
     let mut guard = guard(EASY);
     let mut on = Vec::new();
@@ -175,6 +223,45 @@ fn a_guard_of_motors_passes_no_wire_and_a_guard_of_wires_no_motor() {
     assert_eq!(passed, None);
     assert_eq!(wires.expire_vibration(ms(50), Board(0)), None);
     assert!(wires.motors().is_none() && motors.motors().is_some());
+}
+
+#[test]
+fn nothing_is_booked_for_what_is_refused() {
+    let mut still = guard(MotorLimits {
+        travel_um: 0.01,
+        ..EASY
+    });
+    let (level, entry) = one(&mut still, 4096, ms(0), ms(100));
+    assert_eq!((level, entry.off), (0, 0));
+    assert_eq!(entry.reason, Some(Reason::Displacement));
+    assert!(still.coil_rise_k(ms(0)) <= 0.0);
+    // A stimulus that is over already, and one of no level, are refused for no limit.
+    let mut guard = guard(EASY);
+    let (_, over) = one(&mut guard, 4096, ms(100), ms(50));
+    assert_eq!((over.off, over.reason), (0, None));
+    let (_, none) = one(&mut guard, 0, ms(100), ms(150));
+    assert_eq!((none.off, none.reason), (0, None));
+    assert!(guard.coil_rise_k(ms(200)) <= 0.0);
+}
+
+#[test]
+fn an_update_says_whether_it_changes_anything_and_is_confirmed() {
+    let mut guard = guard(EASY);
+    let on = [stimulus(0, 4096, ms(0), ms(400))];
+    let update = guard.admit_vibration(ms(0), Board(0), &on, |_| ()).unwrap();
+    assert!(update.changes());
+    let nothing = guard.expire_vibration(ms(10), Board(0)).unwrap();
+    assert!(!nothing.changes());
+    let off = guard.expire_vibration(ms(400), Board(0)).unwrap();
+    assert!(off.changes());
+    // Without an answer of the driver the motor counts as on, for too long in the end.
+    let late = ms(600);
+    let mut unsure = guard.clone();
+    unsure.hear(late);
+    assert_eq!(unsure.watch(late), Some(super::super::Cause::Overrun));
+    guard.confirm_vibration(&off, ms(401));
+    guard.hear(late);
+    assert_ne!(guard.watch(late), Some(super::super::Cause::Overrun));
 }
 
 #[test]
