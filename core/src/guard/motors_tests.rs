@@ -53,7 +53,7 @@ fn stimulus(motor: u16, level: u16, at: Instant, until: Instant) -> Stimulus {
     }
 }
 
-/// What one stimulus of motor 0 becomes.
+/// Level and entry of one stimulus of motor 0.
 fn one(guard: &mut Guard, level: u16, at: Instant, until: Instant) -> (u8, Entry) {
     let mut entry = None;
     let update = guard

@@ -50,7 +50,7 @@ impl Tca9548a {
         self
     }
 
-    /// Its 7-bit address.
+    /// The 7-bit address.
     pub const fn address(&self) -> u8 {
         self.address
     }

@@ -1,6 +1,8 @@
 //! The display end of a bench of motors: drivers behind a bus, and the motors on a person's finger, in virtual time.
 
-use palpate_core::driver::{Driver, DriverError, Haptics};
+use embedded_hal::i2c::I2c;
+use palpate_core::codec::drv2605::{ADDRESS, RTP_INPUT};
+use palpate_core::driver::{Driver, Haptics};
 use palpate_core::guard::GuardedVibration;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
@@ -126,7 +128,11 @@ impl EmulatedMotors {
             place: Place::whole(bench),
             i2c,
             driver: driver.map_err(|e| bad(e.to_string()))?,
-            full: FullDrive::of(full_energy(setup, haptics, projector), projector),
+            // A driver that does not start here does not start in the run either, which says so.
+            full: FullDrive::of(
+                full_energy(setup, haptics, projector).unwrap_or(0.0),
+                projector,
+            ),
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             haptics: haptics.clone(),
             pending: None,
@@ -156,7 +162,7 @@ impl EmulatedMotors {
     /// Waits until the motors have come to rest after an all-off of `end`, and scores the last onset.
     ///
     /// # Errors
-    /// As [`DisplayEnd::advance_to`].
+    /// Errors of [`DisplayEnd::advance_to`].
     pub(crate) fn settle(
         &mut self,
         end: Instant,
@@ -240,45 +246,35 @@ impl DisplayEnd for EmulatedMotors {
     fn next_fault(&self) -> Instant {
         self.script.next()
     }
-
-    fn explain(&self, error: &DriverError) -> String {
-        error.to_string()
-    }
 }
 
-/// Felt energy of one motor at its rated voltage for a stimulus, alone and from rest, um2 s.
-fn full_energy(setup: &Setup, haptics: &BenchHaptics, projector: &Projector) -> f64 {
-    use embedded_hal::i2c::I2c;
-    use palpate_core::codec::drv2605::{ADDRESS, RTP_INPUT};
-
+/// Felt energy of one motor at its highest level for a stimulus, alone and from rest, um2 s; `None` for a driver that does
+/// not start.
+fn full_energy(setup: &Setup, haptics: &BenchHaptics, projector: &Projector) -> Option<f64> {
     let place = MotorPlace {
         at_mm: (0.0, 0.0),
         behind: None,
     };
     let (motor, contact) = (motors::motor(haptics), motors::contact(haptics));
     let mut alone = WornMotors::new(&motor, contact, &[place]);
-    let driven = || -> Option<f64> {
-        alone.worn_by(motors::wearer(setup, haptics)).ok()?;
-        let mut channel = *motors::channels(haptics).first()?;
-        channel.behind = None;
-        alone.advance(AWAKE).ok()?;
-        let mut driver = Haptics::new(alone.bus(), &[channel]).ok()?;
-        driver.start(Instant::ZERO).ok()?;
-        let mut bus = alone.bus();
-        let mut now = AWAKE + Nanos::from_micros(10_000);
-        alone.advance(now).ok()?;
-        alone.onset();
-        bus.write(ADDRESS, &[RTP_INPUT, GuardedVibration::FULL])
-            .ok()?;
-        now = now + Nanos::from_micros(projector.timing().duration.as_micros());
-        alone.advance(now).ok()?;
-        bus.write(ADDRESS, &[RTP_INPUT, 0]).ok()?;
-        alone.advance(now + REST).ok()?;
-        Some(alone.onset()?.energy)
-    };
-    // A driver of this bench that does not start is refused where the run starts it.
-    let mut driven = driven;
-    driven().unwrap_or(0.0)
+    alone.worn_by(motors::wearer(setup, haptics)).ok()?;
+    let mut channel = *motors::channels(haptics).first()?;
+    channel.behind = None;
+    alone.advance(AWAKE).ok()?;
+    let mut driver = Haptics::new(alone.bus(), &[channel]).ok()?;
+    let ready = driver.start(Instant::ZERO).ok()?;
+    let begin = AWAKE + Nanos::from(ready);
+    alone.advance(begin).ok()?;
+    alone.onset();
+    // An emulated chip of its own, which nobody wears, needs no guard.
+    let mut bus = alone.bus();
+    bus.write(ADDRESS, &[RTP_INPUT, GuardedVibration::FULL])
+        .ok()?;
+    let end = begin + Nanos::from_micros(projector.timing().duration.as_micros());
+    alone.advance(end).ok()?;
+    bus.write(ADDRESS, &[RTP_INPUT, 0]).ok()?;
+    alone.advance(end + REST).ok()?;
+    Some(alone.onset()?.energy)
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Motors from a bench file to emulated chips: the driver of core over the emulated bus, and whole runs.
 
 use embedded_hal::delay::DelayNs;
-use embedded_hal::i2c::I2c;
-use palpate_core::driver::{Actuators, HapticChannel, HapticFault, HapticMotor, HapticPlanError};
+use palpate_core::driver::{
+    Actuators, DriverError, HapticChannel, HapticFault, HapticMotor, HapticPlanError,
+};
 use palpate_files::{Bench, Loaded, Overrides, Scene, Source};
 use palpate_records::verdict::Verdict;
 

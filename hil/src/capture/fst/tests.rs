@@ -181,7 +181,7 @@ fn a_dump_that_is_cut_is_refused_wherever_it_is_cut() {
     }
 }
 
-/// How many changed dumps: `ci/hostile` asks for more.
+/// Number of changed dumps; `ci/hostile` asks for more.
 fn count() -> usize {
     let asked = std::env::var("PALPATE_MUTATIONS").ok();
     asked.and_then(|n| n.parse().ok()).unwrap_or(3000)
