@@ -72,6 +72,11 @@ pub trait DisplayEnd {
         self.parts().0.traffic()
     }
 
+    /// Takes the transfers that crossed the display's bus since the last call; empty where no log is kept.
+    fn take_transfers(&mut self) -> Vec<Transfer> {
+        Vec::new()
+    }
+
     /// Lets time pass until `now`.
     ///
     /// # Errors
@@ -395,6 +400,10 @@ impl DisplayEnd for EmulatedDisplay {
         if let Some(unit) = self.driver.unit() {
             unit.tell(now, heard);
         }
+    }
+
+    fn take_transfers(&mut self) -> Vec<Transfer> {
+        self.transfers()
     }
 
     fn traffic(&mut self) -> Traffic {

@@ -8,7 +8,6 @@ use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::haptic::exposure::Exposure;
 use palpate_emulators::motors::{MotorPlace, WornMotors};
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
@@ -149,11 +148,6 @@ impl EmulatedMotors {
         kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))
     }
 
-    /// Transfers that crossed the bus; empty where no log is kept.
-    pub(crate) fn transfers(&self) -> Vec<Transfer> {
-        boards::transfers(&self.worn.bus(), 0)
-    }
-
     /// Reports of the scene's faults.
     pub(crate) fn faults(&self) -> Vec<FaultReport> {
         self.script.report()
@@ -185,7 +179,7 @@ impl EmulatedMotors {
 
     /// Report of a run of this length.
     pub(crate) fn report(&self, length: Instant) -> MotorReport {
-        let (totals, exposure): (_, Exposure) = (self.worn.totals(), self.worn.exposure());
+        let (totals, exposure) = (self.worn.totals(), self.worn.exposure());
         let until_s = exposure.until_action_s(length.as_micros() as f64 * 1e-6);
         MotorReport {
             kind: self.haptics.kind.name(),
@@ -213,6 +207,10 @@ impl DisplayEnd for EmulatedMotors {
 
     fn parts(&mut self) -> (&mut dyn Driver<GuardedVibration>, &dyn OutputEnable) {
         (&mut self.driver, &NoLine)
+    }
+
+    fn take_transfers(&mut self) -> Vec<Transfer> {
+        boards::transfers(&self.worn.bus(), 0)
     }
 
     fn advance_to(&mut self, now: Instant, _events: &mut Vec<Event>) -> Result<(), Failure> {

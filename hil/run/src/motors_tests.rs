@@ -83,6 +83,33 @@ fn a_scene_is_felt_where_it_touches_and_no_limit_is_passed() {
     );
 }
 
+/// A host that records, and counts the stimuli in its pieces.
+struct Counts(u64);
+
+impl crate::Host for Counts {
+    fn records(&self) -> bool {
+        true
+    }
+
+    fn record(&mut self, piece: crate::Piece) -> Result<(), Failure> {
+        let stimuli = piece.events.iter();
+        self.0 += stimuli.filter(|e| matches!(e, Event::Schedule(_))).count() as u64;
+        Ok(())
+    }
+}
+
+#[test]
+fn a_record_that_grows_has_every_stimulus() {
+    let keep = crate::Keep {
+        summary: true,
+        ..crate::Keep::default()
+    };
+    let mut host = Counts(0);
+    let outcome = crate::run_with(&lra_8().0, &Input::Scene, 1, keep, &mut host).unwrap();
+    assert!(host.0 > 500);
+    assert_eq!(host.0, outcome.summary.stimuli);
+}
+
 #[test]
 fn laws_put_the_centroid_that_they_are_made_for_at_the_contact() {
     let errors = |law: &str| {

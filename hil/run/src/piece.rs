@@ -6,7 +6,7 @@ use palpate_records::i2c::Transfer;
 use palpate_records::readings::{Readings, TaxelFrame};
 use palpate_records::trace::{Event, sort_by_time};
 
-use crate::display_end::EmulatedDisplay;
+use crate::display_end::DisplayEnd;
 use crate::session::Session;
 use crate::skin_end::SkinEnd;
 
@@ -44,9 +44,9 @@ impl Pieces {
     }
 
     /// Takes everything since the last piece that nothing earlier can precede any more; all of it at the `end`.
-    pub(crate) fn take<S: SkinEnd>(
+    pub(crate) fn take<S: SkinEnd, D: DisplayEnd>(
         &mut self,
-        session: &mut Session<S, EmulatedDisplay>,
+        session: &mut Session<S, D>,
         end: bool,
     ) -> Option<Piece> {
         if end {
@@ -65,7 +65,7 @@ impl Pieces {
         waiting
             .taxels
             .extend(taxels.map(Readings::take_frames).unwrap_or_default());
-        let transfers = session.display().transfers();
+        let transfers = session.display().take_transfers();
         waiting.i2c.extend(transfers);
         let until_us = match end {
             true => u64::MAX,

@@ -9,12 +9,14 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Event, Ledger};
 
 use super::{HALF, Run, part};
+use crate::display_end::DisplayEnd;
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::known_levels;
 use crate::loops::build_with;
 use crate::motors::EmulatedMotors;
+use crate::piece::Pieces;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::session::{Session, Turn};
@@ -22,6 +24,20 @@ use crate::skin_end::SkinEnd;
 use crate::summary::finished;
 use crate::verdict::STOPPED_BY;
 use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView};
+
+/// A session of motors on a skin of any kind.
+type Played<'a> = Session<Box<dyn SkinEnd + 'a>, EmulatedMotors>;
+
+/// Hands events to a host that records.
+fn hand_on(
+    pieces: &mut Pieces,
+    session: &mut Played<'_>,
+    end: bool,
+    host: &mut dyn Host,
+) -> Result<(), Failure> {
+    let piece = pieces.take(session, end);
+    piece.map_or(Ok(()), |piece| host.record(piece))
+}
 
 impl Run<'_> {
     /// Plays the pass that counts on motors.
@@ -45,8 +61,13 @@ impl Run<'_> {
         recorder.counts = host.looks_on().then(Vec::new);
         recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         let drives = setup.scene.value.drives;
+        let streams = self.keep.summary && host.records();
+        recorder.handed = streams.then(Vec::new);
+        recorder.taxels = (streams && self.keep.readings == KeptReadings::All)
+            .then(|| Readings::whole(projector.layout(), drives));
         recorder.readings = match self.keep.readings {
             KeptReadings::None => None,
+            _ if streams => None,
             KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
             KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
         };
@@ -64,10 +85,12 @@ impl Run<'_> {
         session.thin_costs(self.keep.summary);
         // The policy waits for drivers that do not answer, so this cannot fail.
         let _ = session.start(Instant::ZERO);
-        let last = self.turns(&mut session, end, host)?;
+        let mut pieces = Pieces::new(header.soa_us);
+        let last = self.turns((&mut session, &mut pieces), end, host)?;
         session.conclude(last);
         let (display, projector, recorder) = session.all();
         display.settle(last, projector, recorder)?;
+        hand_on(&mut pieces, &mut session, true, host)?;
         let costs = session.take_costs();
         let failure = session.take_failure();
         let mut effort = Effort::of(&costs, session.traffic());
@@ -89,7 +112,7 @@ impl Run<'_> {
         summary.faults = display.faults();
         summary.motors = Some(display.report(last));
         let readings = recorder.readings.take();
-        let i2c = display.transfers();
+        let i2c = display.take_transfers();
         drop(session);
         skin.advance_to(last);
         summary.buses = skin.buses();
@@ -112,7 +135,7 @@ impl Run<'_> {
     /// Takes turn after turn; returns when the run ended.
     fn turns(
         &self,
-        session: &mut Session<Box<dyn SkinEnd + '_>, EmulatedMotors>,
+        (session, pieces): (&mut Played<'_>, &mut Pieces),
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Instant, Failure> {
@@ -123,7 +146,9 @@ impl Run<'_> {
             if now >= end {
                 return Ok(end);
             }
-            if session.turn(now)? == Turn::Last {
+            let turn = session.turn(now)?;
+            hand_on(pieces, session, false, host)?;
+            if turn == Turn::Last {
                 return Ok(now);
             }
             let is_stopped = host.looks_on() && {
