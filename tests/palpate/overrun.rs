@@ -9,7 +9,8 @@ use palpate_files::Setup;
 use palpate_records::margin::Limited;
 use palpate_records::trace::{Event, event};
 use palpate_records::verdict::{Conclusion, Verdict};
-use palpate_run::display_end::{DisplayEnd, EmulatedDisplay, OutputEnable};
+use palpate_run::display_end::{DisplayEnd, OutputEnable};
+use palpate_run::wires::EmulatedDisplay;
 use palpate_run::{
     EmulatedSkin, Failure, Policy, Recorder, Session, Truth, Turn, build, dynamic_levels, exceeded,
     plan, skin,

@@ -16,6 +16,7 @@ pub mod design;
 pub mod display_end;
 pub mod effects;
 pub mod effort;
+mod emulated_end;
 pub mod failure;
 mod feel;
 mod finder;
@@ -64,6 +65,7 @@ mod taxels;
 mod texture_summary;
 pub mod unit;
 mod verdict;
+pub mod wires;
 mod wish;
 
 pub use activations::Activations;

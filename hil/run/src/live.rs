@@ -12,7 +12,7 @@ use palpate_files::Setup;
 use palpate_records::trace::Event;
 
 use crate::activations::{self, Activations};
-use crate::display_end::{DisplayEnd, EmulatedDisplay};
+use crate::display_end::DisplayEnd;
 use crate::failure::Failure;
 use crate::fingers::Fingers;
 use crate::hand::Hand;
@@ -24,6 +24,7 @@ use crate::runner::passed;
 use crate::session::Session;
 use crate::skin::EmulatedSkin;
 use crate::skin_end::{Elsewhere, SkinEnd};
+use crate::wires::EmulatedDisplay;
 use crate::{plan, skin};
 
 /// Events that wait to be drained at most: a minute or two of touches, 6 MB.

@@ -17,6 +17,7 @@ use palpate_records::margin::{Limited, Margin};
 use palpate_records::trace::Event;
 use serde::Serialize;
 
+use crate::Keep;
 use crate::boards;
 use crate::display_end::{DisplayEnd, I2C_LOG};
 use crate::effects::{Faultable, FaultyDisplay};
@@ -139,34 +140,6 @@ impl EmulatedMotors {
         })
     }
 
-    /// Keeps the newest messages of the bus.
-    ///
-    /// # Errors
-    /// [`Failure::Device`] where the bus cannot keep a log.
-    pub(crate) fn keep_log(&mut self) -> Result<(), Failure> {
-        let kept = self.worn.bus().with(|bus| bus.keep_log(I2C_LOG));
-        kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))
-    }
-
-    /// Reports of the scene's faults.
-    pub(crate) fn faults(&self) -> Vec<FaultReport> {
-        self.script.report()
-    }
-
-    /// Waits until the motors have come to rest after an all-off of `end`, and scores the last onset.
-    ///
-    /// # Errors
-    /// Errors of [`DisplayEnd::advance_to`].
-    pub(crate) fn settle(
-        &mut self,
-        end: Instant,
-        projector: &Projector,
-        recorder: &mut Recorder,
-    ) -> Result<(), Failure> {
-        self.score(projector, recorder);
-        self.pass(Nanos::from(end) + REST)
-    }
-
     /// Every limit of the motors, and the worst that came behind the guard.
     pub(crate) fn margins(&self) -> Vec<Margin> {
         let (totals, haptics) = (self.worn.totals(), &self.haptics);
@@ -243,6 +216,28 @@ impl DisplayEnd for EmulatedMotors {
 
     fn next_fault(&self) -> Instant {
         self.script.next()
+    }
+
+    fn keep(&mut self, keep: Keep) -> Result<(), Failure> {
+        if keep.i2c {
+            let kept = self.worn.bus().with(|bus| bus.keep_log(I2C_LOG));
+            kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
+        }
+        Ok(())
+    }
+
+    fn faults(&self) -> Vec<FaultReport> {
+        self.script.report()
+    }
+
+    fn settle(
+        &mut self,
+        end: Instant,
+        projector: &Projector,
+        recorder: &mut Recorder,
+    ) -> Result<(), Failure> {
+        self.score(projector, recorder);
+        self.pass(Nanos::from(end) + REST)
     }
 }
 

@@ -100,9 +100,9 @@ impl crate::Host for Counts {
 
 #[test]
 fn a_record_that_grows_has_every_stimulus() {
-    let keep = crate::Keep {
+    let keep = Keep {
         summary: true,
-        ..crate::Keep::default()
+        ..Keep::default()
     };
     let mut host = Counts(0);
     let outcome = crate::run_with(&lra_8().0, &Input::Scene, 1, keep, &mut host).unwrap();

@@ -1,6 +1,5 @@
 //! Whole runs of scenes and recordings on an emulated bench: a pass that finds intensity levels, a pass that counts.
 
-mod motors;
 mod play;
 mod shared;
 

@@ -12,7 +12,7 @@ use palpate_live::link::UnitPlace;
 use palpate_live::output::note;
 use palpate_live::real::{self, Heat, Watched};
 use palpate_live::views::Wanted;
-use palpate_run::display_end::EmulatedDisplay;
+use palpate_run::wires::EmulatedDisplay;
 use palpate_run::{Failure, Policy, build, pass};
 
 use super::feeling::{Feeling, Finger};

@@ -8,7 +8,8 @@ use palpate_emulators::display::pca9685::{Pca9685, Pin};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{OutputEdge, WornDisplay};
 use palpate_files::Setup;
-use palpate_run::display_end::{self, OutputEnable};
+use palpate_run::display_end::OutputEnable;
+use palpate_run::wires;
 use palpate_run::{Failure, plan};
 
 use super::record::{Flowed, PinEdge};
@@ -32,7 +33,7 @@ impl ServedDisplay {
     /// [`Failure::Input`] for a display that cannot be.
     pub(crate) fn new(setup: &Setup) -> Result<Self, Failure> {
         Ok(Self {
-            worn: display_end::emulated(setup, plan::display(setup)?.wires())?,
+            worn: wires::emulated(setup, plan::display(setup)?.wires())?,
             addresses: plan::boards(&setup.bench.value),
             flowed: Flowed::of(&setup.bench.value.outputs),
             last_edge: Nanos::ZERO,

@@ -11,9 +11,10 @@ use palpate_core::projector::Projector;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
 use palpate_records::readings::Readings;
-use palpate_run::display_end::{DisplayEnd, EmulatedDisplay};
+use palpate_run::display_end::DisplayEnd;
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::unit::UnitReport;
+use palpate_run::wires::EmulatedDisplay;
 use palpate_run::{
     CanPlayer, EmulatedSkin, Failure, HeatReport, Policy, Recorder, Rows, Session, Truth,
 };

@@ -5,44 +5,42 @@ use std::cell::RefCell;
 use std::slice;
 
 use palpate_core::contact::Levels;
+use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
 use palpate_files::Gate;
 use palpate_records::felt::FeltPath;
 use palpate_records::i2c::Transfer;
-use palpate_records::margin::sort;
 use palpate_records::readings::Readings;
-use palpate_records::trace::{Event, Header, Ledger};
+use palpate_records::trace::{Event, Header};
 
 use super::shared::{Pads, Shared};
 use super::{HALF, Run, part};
-use crate::actuator_bus::ActuatorBus;
-use crate::band;
-use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effort::Effort;
+use crate::emulated_end::EmulatedEnd;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::join::{Part, join};
 use crate::levels::known_levels;
 use crate::loops::build_with;
-use crate::pass::{self, PassEnd};
+use crate::motors::EmulatedMotors;
 use crate::piece::Pieces;
 use crate::place::{Place, fingers};
 use crate::policy::Policy;
-use crate::recorder::{Recorder, Truth, milli_c};
+use crate::recorder::{Recorder, Truth};
 use crate::session::{Session, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
 use crate::summary::finished;
-use crate::summary_felt::AskedLevel;
 use crate::verdict::STOPPED_BY;
-use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView, margins, plan};
+use crate::wires::EmulatedDisplay;
+use crate::{Beginning, BusReport, Host, KeptReadings, Outcome, TurnView, plan};
 
 /// A finger's session, and whether it has ended before the run.
-struct Finger<'a> {
+struct Finger<'a, D> {
     /// The run that the finger would be alone.
     run: Run<'a>,
     place: Place,
-    session: Session<Box<dyn SkinEnd + 'a>, EmulatedDisplay>,
+    session: Session<Box<dyn SkinEnd + 'a>, D>,
     header: Header,
     pieces: Pieces,
     ended: bool,
@@ -50,18 +48,16 @@ struct Finger<'a> {
     gate: Option<(Gate, bool)>,
 }
 
-impl<'a> Finger<'a> {
-    /// A loop between a skin and an emulated display, which hangs on `bus` where other displays do.
+impl<'a, D: EmulatedEnd> Finger<'a, D> {
+    /// A loop between a skin and an emulated display.
     fn new(
         run: Run<'a>,
         skin: Box<dyn SkinEnd + 'a>,
-        (levels, truth): (Levels, Truth),
-        (place, bus): (Place, Option<&ActuatorBus>),
+        (projector, mut display): (Projector, D),
+        (truth, place): (Truth, Place),
         host: &dyn Host,
     ) -> Result<Self, Failure> {
         let Run { setup, keep, .. } = run;
-        let projector = build_with(setup, run.seed, levels, run.responses)?;
-        let mut display = EmulatedDisplay::at(setup, (place.clone(), bus), &projector, run.seed)?;
         display.keep(keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
         recorder.joints.clone_from(&setup.scene.value.joints);
@@ -125,7 +121,7 @@ impl<'a> Finger<'a> {
         if self.place.alone || next > now {
             return next;
         }
-        let busy = self.session.display().hardware().bus_now();
+        let busy = self.session.display().bus_now();
         // The guard counts with this wait.
         let wait_us = self.run.setup.bus_wait.as_micros();
         let waits_us = busy.0.div_ceil(1000).saturating_sub(wait_us);
@@ -215,27 +211,9 @@ impl<'a> Finger<'a> {
         let failure = session.take_failure();
         let mut effort = Effort::of(&costs, session.traffic());
         effort.calibrated = known_levels(&setup.scene.value.compression).is_none();
-        let bench = &setup.bench.value;
         let (display, projector, _) = session.all();
-        let (samples, currents) = display.take_samples();
-        let totals = display.hardware().totals();
-        let course = margins::Course {
-            currents: &currents,
-            samples: &samples,
-            totals: &totals,
-        };
-        let limits = projector.guard().limits();
-        let mut margins = margins::margins(&course, limits);
-        margins.extend(display.heat_margins());
-        sort(&mut margins);
-        let ledger = Ledger {
-            energy_uj: (totals.electrical_j * 1e6).round() as u64,
-            hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
-            tight: totals.tight,
-            margins,
-            length_us: end.as_micros(),
-            ..Ledger::default()
-        };
+        let (ledger, warmth) = display.ledger(projector.guard().limits(), end);
+        let bench = &setup.bench.value;
         let (trace, mut summary) = finished(session, self.header, ledger, &costs, bench);
         if let Some(texture) = &mut summary.texture {
             texture.compared(setup)?;
@@ -245,30 +223,12 @@ impl<'a> Finger<'a> {
         }
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
-        let martensite = display.hardware().martensite();
-        let pass = PassEnd::of(projector, end, martensite);
         summary.faults = display.faults();
-        summary.unit = display.unit();
-        summary.heat = display.heat();
-        summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
-        if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
-            let missing = -plan::strongest(setup, projector)?;
-            summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
-        }
-        let known = summary.path_error_mm.is_some();
-        // A band is of one display.
-        if self.run.keep.spread && self.place.name.is_none() {
-            match band::band(setup) {
-                Ok(band) => summary.felt.band = Some(band),
-                Err(why) => summary.felt.no_band = Some(why),
-            }
-        }
-        summary.felt.states = display.states(known);
-        summary.felt.state = Some(pass::state_of(setup));
+        let pass = display.complete(setup, projector, &mut summary, end)?;
         Ok(Outcome {
             readings: recorder.readings.take(),
-            warmth: samples.iter().map(margins::warmth).collect(),
-            i2c: display.transfers(),
+            warmth,
+            i2c: display.take_transfers(),
             trace,
             summary,
             frame_us: costs.iter().map(|c| c.us).collect(),
@@ -292,12 +252,32 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
+        let projector = self.projector(levels)?;
         if let Some(haptics) = plan::motors_of(&self.setup.bench)? {
-            return self.on_motors(haptics, (levels, truth), skin, end, host);
+            let motors = EmulatedMotors::new(self.setup, haptics, &projector, self.seed)?;
+            return self.alone((projector, motors), skin, truth, end, host);
         }
+        let display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
+        self.alone((projector, display), skin, truth, end, host)
+    }
+
+    /// The loop of this run's setup.
+    fn projector(&self, levels: Levels) -> Result<Projector, Failure> {
+        build_with(self.setup, self.seed, levels, self.responses)
+    }
+
+    /// Plays the pass that counts on a display that is the only one.
+    fn alone(
+        &self,
+        ends: (Projector, impl EmulatedEnd),
+        skin: &mut dyn SkinEnd,
+        truth: Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Outcome, Failure> {
         let whole = Place::whole(&self.setup.bench.value);
-        let (own, on) = (Box::new(&mut *skin), (whole, None));
-        let mut one = Finger::new(*self, own, (levels, truth), on, host)?;
+        let own = Box::new(&mut *skin);
+        let mut one = Finger::new(*self, own, ends, (truth, whole), host)?;
         let last = self.play(slice::from_mut(&mut one), None, end, host)?;
         let mut outcome = one.outcome(last, host)?;
         skin.advance_to(last);
@@ -328,10 +308,13 @@ impl Run<'_> {
             let pads = Box::new(Pads::new(&shared, number));
             let buses = &shared.borrow().buses;
             let bus = buses.iter().find(|bus| bus.carries(place));
+            let projector = run.projector(levels.clone())?;
             let on = (place.clone(), bus);
+            let display = EmulatedDisplay::at(setup, on, &projector, run.seed)?;
+            let (ends, own) = ((projector, display), (truth, place.clone()));
             fingers.push(Finger {
                 gate: finger.when.map(|gate| (gate, true)),
-                ..Finger::new(run, pads, (levels.clone(), truth), on, host)?
+                ..Finger::new(run, pads, ends, own, host)?
             });
         }
         let loops = fingers.iter_mut();
@@ -367,7 +350,7 @@ impl Run<'_> {
     /// several is not.
     fn play(
         &self,
-        fingers: &mut [Finger<'_>],
+        fingers: &mut [Finger<'_, impl EmulatedEnd>],
         shared: Option<&RefCell<Shared<'_>>>,
         end: Instant,
         host: &mut dyn Host,

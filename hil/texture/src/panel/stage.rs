@@ -13,8 +13,8 @@ use palpate_emulators::worn::WornDisplay;
 
 use palpate_files::Setup;
 use palpate_run::Failure;
-use palpate_run::display_end::emulated;
 use palpate_run::plan;
+use palpate_run::wires::emulated;
 
 /// Time for which a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
 pub const SHOWN: Duration = Duration::from_millis(1000);
