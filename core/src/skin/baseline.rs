@@ -374,7 +374,7 @@ impl Baseline {
         let Some(rest) = &mut self.rest else {
             return Ok(());
         };
-        if let Some(module) = rest.another_board(&self.reference, frame) {
+        if let Some(module) = rest.another_board(&mut self.reference, frame) {
             self.restart(module);
             self.mask(frame);
             self.measure(scan, frame)?;
@@ -382,7 +382,7 @@ impl Baseline {
             self.measure(scan, frame)?;
         }
         if let Some(rest) = &mut self.rest {
-            rest.decide(&self.reference, frame);
+            rest.decide(&mut self.reference, frame);
         }
         Ok(())
     }

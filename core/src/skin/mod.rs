@@ -17,6 +17,7 @@ mod rest;
 mod scan;
 mod sense;
 mod source;
+mod speakers;
 mod together;
 pub mod uskin;
 

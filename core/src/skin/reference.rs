@@ -10,6 +10,9 @@ use crate::vector::Vectors;
 /// Largest noise over the median: a noisier taxel was touched or is ill, and counts as this noisy.
 const NOISIEST: f32 = 4.0;
 
+/// Number at which an `f32` is good to whole ones: a smaller one that is added and taken away again is rounded.
+const WHOLE: f32 = 12_582_912.0;
+
 /// Most by which a taxel at rest may leave its first reading, and its mean drift from one half to the next, in
 /// deviations of noise.
 const CALM_SIGMAS: f64 = 8.0;
@@ -210,27 +213,49 @@ impl Reference {
         );
     }
 
+    /// The reference of some taxels.
+    pub(super) fn part(&mut self, range: core::ops::Range<usize>) -> Part<'_> {
+        Part {
+            axes: self.axes,
+            whole: &mut self.whole[range.clone()],
+            rest: &mut self.rest[range],
+        }
+    }
+}
+
+/// Reference of some taxels, which are counted from the first of them. Slices of one length need one check of an index.
+pub(super) struct Part<'a> {
+    axes: [bool; 3],
+    whole: &'a mut [[f32; 3]],
+    rest: &'a mut [[f32; 3]],
+}
+
+impl Part<'_> {
     /// Signed distance of a reading from its reference along x, y, z, counts; 0 where the axis is not chosen.
+    #[inline]
     pub(super) fn away(&self, taxel: usize, counts: [u16; 3]) -> [f32; 3] {
-        let (whole, rest) = (&self.whole[taxel], &self.rest[taxel]);
-        [0, 1, 2].map(|axis| match self.axes[axis] {
-            true => f32::from(counts[axis]) - whole[axis] - rest[axis],
+        [0, 1, 2].map(|axis| self.along(axis, taxel, counts))
+    }
+
+    /// Signed distance of a reading from its reference along one axis.
+    #[inline]
+    pub(super) fn along(&self, axis: usize, taxel: usize, counts: [u16; 3]) -> f32 {
+        match self.axes[axis] {
+            true => f32::from(counts[axis]) - self.whole[taxel][axis] - self.rest[taxel][axis],
             false => 0.0,
-        })
+        }
     }
 
     /// Moves the reference of a taxel by some counts along x, y, z.
+    #[inline]
     pub(super) fn shift(&mut self, taxel: usize, by: [f32; 3]) {
         let (whole, rest) = (&mut self.whole[taxel], &mut self.rest[taxel]);
         for ((whole, rest), by) in whole.iter_mut().zip(rest).zip(by) {
-            *rest += by;
-            if !(0.0..1.0).contains(rest) {
-                // The floor of a number that is far below 2^31.
-                let toward_zero = (*rest as i32) as f32;
-                let carry = toward_zero - if toward_zero > *rest { 1.0 } else { 0.0 };
-                *whole += carry;
-                *rest -= carry;
-            }
+            let moved = *rest + by;
+            let nearest = (moved + WHOLE) - WHOLE;
+            let floor = nearest - if nearest > moved { 1.0 } else { 0.0 };
+            *whole += floor;
+            *rest = moved - floor;
         }
     }
 }

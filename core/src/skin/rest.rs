@@ -10,6 +10,7 @@ use core::ops::Range;
 
 use super::reference::Reference;
 use super::relative::RelativeFrame;
+use super::speakers::{FEWEST, MIDDLE, Speakers};
 use super::together::Together;
 use crate::units::{Duration, Instant};
 
@@ -54,14 +55,9 @@ const CONTRADICTS: f32 = 0.3;
 const WRONG_S: f32 = 0.3;
 /// Least share of a touch's largest value that a taxel beside it feels.
 const SPREADS: f32 = 0.2;
-/// Rank of the taxel that speaks for a module, as a share: the median at rest, and a little less beside a touch, which
-/// raises its neighbours.
-const MIDDLE: f32 = 0.5;
+/// Rank of the taxel beside a touch that speaks for its module, as a share: a little below the median, since a touch raises its
+/// neighbours.
 const BESIDE: f32 = 0.45;
-/// Taxels that a module's median is taken of at most.
-const SAMPLE: usize = 64;
-/// Fewest untouched taxels that speak for a module.
-const SPEAKERS: usize = 3;
 /// A remainder of a touch is dropped when it stood still for so long below this share of the touch, s.
 const STILL_S: f32 = 0.3;
 const REMAINDER: f32 = 0.1;
@@ -88,8 +84,7 @@ pub(super) struct Rest {
     taken_touched: u32,
     /// A module whose reference was.
     wrong: Option<usize>,
-    /// Distances of the taxels that speak, by axis.
-    sample: [Vec<f32>; 3],
+    speakers: Speakers,
 }
 
 impl Rest {
@@ -109,7 +104,7 @@ impl Rest {
             corrections: 0,
             taken_touched: 0,
             wrong: None,
-            sample: [0; 3].map(|_| Vec::with_capacity(SAMPLE)),
+            speakers: Speakers::default(),
         }
     }
 
@@ -155,29 +150,17 @@ impl Rest {
         }
     }
 
-    /// A module in doubt whose readings are another board's: most are far from the reference, and too many of those below
-    /// it for a touch. Every module is looked at once.
+    /// The first module in doubt whose readings are another board's. Those before it are in doubt no more.
     pub(super) fn another_board(
         &mut self,
-        reference: &Reference,
+        reference: &mut Reference,
         frame: &RelativeFrame,
     ) -> Option<usize> {
-        for (m, of) in self.modules.iter_mut().enumerate() {
-            if !core::mem::replace(&mut of.doubt, false) {
-                continue;
-            }
-            let (mut all, mut far, mut below) = (0, 0, 0);
-            for i in of.range.clone().filter(|i| frame.usable()[*i]) {
-                all += 1;
-                far += usize::from(frame.magnitude()[i] > self.base[i]);
-                let away = reference.away(i, frame.counts()[i]);
-                below += usize::from(-away[2] > self.base[i]);
-            }
-            if far > 0 && 2 * far >= all && 4 * below >= far {
-                return Some(m);
-            }
-        }
-        None
+        let base = &self.base;
+        self.modules.iter_mut().position(|of| {
+            let doubted = core::mem::replace(&mut of.doubt, false);
+            doubted && of.has_another_board(&reference.part(of.range.clone()), frame, base)
+        })
     }
 
     /// Sets the thresholds at rest of some taxels.
@@ -224,10 +207,10 @@ impl Rest {
                 strengths.sum::<f32>() < ENDED * of.peak
             };
             let is_wide = contacts.len() * 5 >= range.len() * 4;
-            if range.len() <= SPEAKERS || !(is_wide || has_ended) {
+            if range.len() <= FEWEST || !(is_wide || has_ended) {
                 continue;
             }
-            let common = self.common_away(reference, frame, range.clone(), (MIDDLE, |_, _| true));
+            let common = self.common_away(reference, frame, range.clone(), (MIDDLE, false));
             let Some(common) = common else { continue };
             let size = norm(common);
             let of = &mut self.modules[m];
@@ -239,19 +222,18 @@ impl Rest {
             if size > most {
                 continue;
             }
-            let near = |i: &usize| {
-                let away = reference.away(*i, frame.counts()[*i]);
-                let off = [0, 1, 2].map(|a| away[a] - common[a]);
-                norm(off) <= (0.4 * size).max(10.0)
-            };
-            let usable = range.clone().filter(|i| frame.usable()[*i]);
+            let counts = &frame.counts()[range.clone()];
+            let usable = &frame.usable()[range.clone()];
+            let mut part = reference.part(range);
             let (mut all, mut agree) = (0, 0);
-            for i in usable {
+            for i in (0..usable.len()).filter(|i| usable[*i]) {
+                let away = part.away(i, counts[i]);
+                let off = [0, 1, 2].map(|a| away[a] - common[a]);
                 all += 1;
-                agree += usize::from(near(&i));
+                agree += usize::from(norm(off) <= (0.4 * size).max(10.0));
             }
             if agree * 5 >= all * 4 {
-                range.for_each(|i| reference.shift(i, common));
+                (0..usable.len()).for_each(|i| part.shift(i, common));
                 self.modules[m].unknown_s = -STEP_REST_S;
                 stepped = true;
             }
@@ -260,7 +242,7 @@ impl Rest {
     }
 
     /// Decides which of the taxels beyond their limits are touched; the frame's contacts are those then.
-    pub(super) fn decide(&mut self, reference: &Reference, frame: &mut RelativeFrame) {
+    pub(super) fn decide(&mut self, reference: &mut Reference, frame: &mut RelativeFrame) {
         let mut dropped = false;
         for m in 0..self.modules.len() {
             dropped |= self.decide_module(m, reference, frame);
@@ -272,7 +254,12 @@ impl Rest {
     }
 
     /// Decides as [`Self::decide`] does, for one module; returns whether any taxel beyond its limit is not touched.
-    fn decide_module(&mut self, m: usize, reference: &Reference, frame: &RelativeFrame) -> bool {
+    fn decide_module(
+        &mut self,
+        m: usize,
+        reference: &mut Reference,
+        frame: &RelativeFrame,
+    ) -> bool {
         let contacts = frame.contacts_of(m);
         let of = &mut self.modules[m];
         let gone = of.pending.filter(|p| !contacts.contains(p));
@@ -284,40 +271,51 @@ impl Rest {
         if let Some(glitch) = gone {
             self.left[glitch as usize] = 0.0;
         }
-        let (magnitude, counts) = (frame.magnitude(), frame.counts());
-        let (touched, base) = (&mut self.touched, &self.base);
+        // Parts of one length: no look at a taxel has to be checked. Their taxels are counted from the module's first.
+        let (range, first) = (of.range.clone(), of.range.start as u32);
+        let usable = &frame.usable()[range.clone()];
+        let counts = &frame.counts()[range.clone()];
+        let (magnitude, base) = (&frame.magnitude()[range.clone()], &self.base[range.clone()]);
+        let left = &mut self.left[range.clone()];
+        let limits = &mut self.limits[range.clone()];
+        let touched = &mut self.touched[range.clone()];
+        let reference = reference.part(range);
+        let was_open = of.open;
+        let local = |i: &u32| (i - first) as usize;
         let pressed = |i: usize| {
-            let along = reference.away(i, counts[i])[2];
+            let along = reference.along(2, i, counts[i]);
             along >= 0.0 || -along < BELOW * magnitude[i]
         };
         // A touch is felt by several taxels, comes on slowly, or is there in the next frame too.
         let sudden = |i: &usize| !touched[*i] && magnitude[*i] > 2.0 * base[*i] && pressed(*i);
-        let mut leaps = contacts.iter().map(|i| *i as usize).filter(sudden);
+        let mut leaps = contacts.iter().map(local).filter(sudden);
         let alone = leaps.next().filter(|_| leaps.next().is_none());
         let leaps = alone.filter(|i| {
             let most = SPREADS * magnitude[*i];
-            let quiet = |j: usize| {
-                magnitude[j] < most.max(0.5 * base[j]) || touched[j] || !frame.usable()[j]
-            };
-            let mut others = of.range.clone().filter(|j| j != i);
-            of.pending != Some(*i as u32) && others.all(quiet)
+            let quiet =
+                |j: usize| magnitude[j] < most.max(0.5 * base[j]) || touched[j] || !usable[j];
+            let mut others = (0..usable.len()).filter(|j| j != i);
+            of.pending != Some(first + *i as u32) && others.all(quiet)
         });
-        of.pending = leaps.map(|i| i as u32);
+        of.pending = leaps.map(|i| first + i as u32);
         let waits = leaps.filter(|_| of.wary || of.open);
         of.waits = waits.is_some();
         if of.open {
-            touched[of.range.clone()].fill(false);
+            touched.fill(false);
         }
         let (mut members, mut strength) = (0, 0.0);
-        for i in contacts.iter().map(|i| *i as usize) {
+        for i in contacts.iter().map(local) {
             if waits != Some(i) && pressed(i) {
                 touched[i] = true;
-                self.left[i] = self.left[i].max(LEFT * magnitude[i]);
+                left[i] = left[i].max(LEFT * magnitude[i]);
+                if was_open {
+                    limits[i] = RELEASE * base[i] + left[i];
+                }
                 members += 1;
                 strength += magnitude[i];
             }
         }
-        let was_open = core::mem::replace(&mut of.open, members > 0);
+        of.open = members > 0;
         if of.open && !was_open {
             (of.peak, of.still_s) = (0.0, 0.0);
         }
@@ -325,7 +323,7 @@ impl Rest {
         if libm::fabsf(strength - of.strength) > STILL * of.peak {
             (of.strength, of.still_s) = (strength, 0.0);
         }
-        if of.open || was_open {
+        if of.open != was_open || gone.is_some() {
             self.renew(m);
         }
         members < contacts.len()
@@ -355,16 +353,15 @@ impl Rest {
     fn common(
         &mut self,
         m: usize,
-        reference: &Reference,
+        reference: &mut Reference,
         frame: &RelativeFrame,
         dt: f32,
     ) -> [f32; 3] {
         let range = self.modules[m].range.clone();
-        let rests = |s: &Self, i: usize| !s.touched[i] && frame.magnitude()[i] <= s.base[i];
         let most = STEEPEST * dt;
         let rank = if self.modules[m].open { BESIDE } else { MIDDLE };
-        let common = match range.len() > SPEAKERS {
-            true => self.common_away(reference, frame, range, (rank, rests)),
+        let common = match range.len() > FEWEST {
+            true => self.common_away(reference, frame, range, (rank, true)),
             false => Some([0.0; 3]),
         };
         let of = &mut self.modules[m];
@@ -404,33 +401,44 @@ impl Rest {
         let quick = dt / (dt + QUICK_S);
         let (mut below, mut faded) = (false, false);
         let (mut strongest, mut lowest) = (0.0f32, 0.0f32);
-        for i in of.range.clone().filter(|i| frame.usable()[*i]) {
-            let gains = &mut self.gains[i];
-            let drift = [0, 1, 2].map(|a| common[a] * (1.0 + gains[a]));
-            if self.touched[i] {
+        // Parts of one length: no look at a taxel has to be checked.
+        let range = of.range.clone();
+        let usable = &frame.usable()[range.clone()];
+        let counts = &frame.counts()[range.clone()];
+        let (magnitude, base) = (&frame.magnitude()[range.clone()], &self.base[range.clone()]);
+        let (touched, under) = (&self.touched[range.clone()], &mut self.under[range.clone()]);
+        let left = &mut self.left[range.clone()];
+        let gains = &mut self.gains[range.clone()];
+        let mut reference = reference.part(range);
+        for i in 0..usable.len() {
+            if !usable[i] {
+                continue;
+            }
+            let drift = [0, 1, 2].map(|a| common[a] * (1.0 + gains[i][a]));
+            if touched[i] {
                 reference.shift(i, drift);
-                strongest = strongest.max(frame.magnitude()[i]);
+                strongest = strongest.max(magnitude[i]);
                 if drop {
-                    self.left[i] = frame.magnitude()[i];
+                    left[i] = magnitude[i];
                     faded = true;
                 }
                 continue;
             }
-            let away = reference.away(i, frame.counts()[i]);
+            let away = reference.away(i, counts[i]);
             let rest = [0, 1, 2].map(|a| away[a] - drift[a]);
-            let was_under = core::mem::replace(&mut self.under[i], -rest[2] > self.base[i]);
-            let under = free && was_under && self.under[i];
-            below |= under;
-            if was_under && -rest[2] > 2.0 * self.base[i] {
+            let was_under = core::mem::replace(&mut under[i], -rest[2] > base[i]);
+            let is_under = free && was_under && under[i];
+            below |= is_under;
+            if was_under && -rest[2] > 2.0 * base[i] {
                 lowest = lowest.max(-rest[2]);
             }
-            let (left, mut hurried) = (self.left[i], under);
-            if free && left > 0.0 {
-                let fades = left * (1.0 - dt / FADE_S);
-                self.left[i] = if fades < 1.0 { 0.0 } else { fades };
+            let (remains, mut hurried) = (left[i], is_under);
+            if free && remains > 0.0 {
+                let fades = remains * (1.0 - dt / FADE_S);
+                left[i] = if fades < 1.0 { 0.0 } else { fades };
                 (hurried, faded) = (true, true);
             }
-            if !under && frame.magnitude()[i] > self.base[i] + left {
+            if !is_under && magnitude[i] > base[i] + remains {
                 // Neither at rest nor touched: a single reading says nothing.
                 reference.shift(i, drift);
                 continue;
@@ -440,7 +448,7 @@ impl Rest {
                 if free && !hurried && libm::fabsf(of.rate[a]) > SLOWEST {
                     let evidence = of.rate[a] * of.rate[a] + EVIDENT * EVIDENT;
                     let learnt = STEER * slow * slow * rest[a] * of.rate[a] / (dt * evidence);
-                    gains[a] = (gains[a] + learnt).clamp(-WIDEST, WIDEST);
+                    gains[i][a] = (gains[i][a] + learnt).clamp(-WIDEST, WIDEST);
                 }
                 drift[a] + part * rest[a]
             });
@@ -463,34 +471,22 @@ impl Rest {
         }
     }
 
-    /// Distance from the reference along every axis that a module's taxels have in common: of some of them, the one of a
-    /// rank along z and the median along x and y. `None` where too few speak.
+    /// Distance from the reference along every axis that a module's taxels have in common: of some of them, or of some that are
+    /// at rest, the one of a rank along z and the median along x and y. `None` where too few speak.
     fn common_away(
         &mut self,
-        reference: &Reference,
+        reference: &mut Reference,
         frame: &RelativeFrame,
         range: Range<usize>,
-        (rank, speaks): (f32, impl Fn(&Self, usize) -> bool),
+        (rank, at_rest): (f32, bool),
     ) -> Option<[f32; 3]> {
-        let stride = range.len().div_ceil(SAMPLE).max(1);
-        let mut sample = core::mem::take(&mut self.sample);
-        sample.iter_mut().for_each(Vec::clear);
-        for i in range.step_by(stride) {
-            if frame.usable()[i] && speaks(self, i) {
-                let away = reference.away(i, frame.counts()[i]);
-                sample.iter_mut().zip(away).for_each(|(of, a)| of.push(a));
-            }
-        }
-        let enough = sample[2].len() >= SPEAKERS;
-        let mut common = [0.0; 3];
-        for (axis, rank) in [MIDDLE, MIDDLE, rank].into_iter().enumerate() {
-            if enough {
-                let nth = (rank * sample[axis].len() as f32) as usize; // below the length: a rank is below 1
-                common[axis] = *sample[axis].select_nth_unstable_by(nth, f32::total_cmp).1;
-            }
-        }
-        self.sample = sample;
-        enough.then_some(common)
+        let (usable, touched) = (&frame.usable()[range.clone()], &self.touched[range.clone()]);
+        let (magnitude, base) = (&frame.magnitude()[range.clone()], &self.base[range.clone()]);
+        let rests = |i: usize| !touched[i] && magnitude[i] <= base[i];
+        let speaks = |i: usize| usable[i] && (!at_rest || rests(i));
+        let counts = &frame.counts()[range.clone()];
+        let reference = reference.part(range);
+        self.speakers.common(&reference, counts, rank, speaks)
     }
 }
 

@@ -2,6 +2,9 @@
 
 use core::ops::Range;
 
+use super::reference::Part;
+use super::relative::RelativeFrame;
+
 /// State of one module.
 #[derive(Clone, Debug)]
 pub(super) struct Together {
@@ -51,5 +54,25 @@ impl Together {
             below: 0,
             wrong_s: 0.0,
         }
+    }
+
+    /// Tells whether a module's readings are another board's: most are far from the reference, and too many of those below it
+    /// for a touch.
+    pub(super) fn has_another_board(
+        &self,
+        reference: &Part<'_>,
+        frame: &RelativeFrame,
+        base: &[f32],
+    ) -> bool {
+        let (mut all, mut far, mut below) = (0, 0, 0);
+        for (own, i) in self.range.clone().enumerate() {
+            if frame.usable()[i] {
+                all += 1;
+                far += usize::from(frame.magnitude()[i] > base[i]);
+                let down = -reference.along(2, own, frame.counts()[i]);
+                below += usize::from(down > base[i]);
+            }
+        }
+        far > 0 && 2 * far >= all && 4 * below >= far
     }
 }
