@@ -463,7 +463,7 @@ impl WornDisplay {
     /// Totals of the run until now.
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);
-        let totals = DisplayTotals::of(&mut self.worn.wires, &Peaks::NONE, peak_supply, now);
+        let totals = DisplayTotals::new(&mut self.worn.wires, &Peaks::NONE, peak_supply, now);
         match &self.warmed {
             Some(rise) => rise.total(totals),
             None => totals,
@@ -473,6 +473,6 @@ impl WornDisplay {
     /// A copy of its wires as they stand now, for a look that leaves them alone; with their books, which are larger, for
     /// one at totals too.
     pub fn standing(&self, with_books: bool) -> Standing {
-        Standing::of(self, with_books)
+        Standing::new(self, with_books)
     }
 }

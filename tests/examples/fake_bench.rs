@@ -98,15 +98,15 @@ extern "C" fn begin(count: c_int, words: *const *const c_char, _environment: *co
     ROLE.store(if is_guardian { GUARDIAN } else { RUN }, Ordering::Release);
     STATE.store(variable(c"PALPATE_STATE"), Ordering::Release);
     for (number, place) in BUSES.iter().enumerate() {
-        let path = Text::<512>::of(format_args!("{name}/i2c-{number}.state"));
+        let path = Text::<512>::new(format_args!("{name}/i2c-{number}.state"));
         place.store(mapped(&path), Ordering::Release);
     }
     CLOCK.store(
-        mapped(&Text::<512>::of(format_args!("{name}/clock.state"))),
+        mapped(&Text::<512>::new(format_args!("{name}/clock.state"))),
         Ordering::Release,
     );
     SCARCE.store(
-        mapped(&Text::<512>::of(format_args!("{name}/scarce.state"))),
+        mapped(&Text::<512>::new(format_args!("{name}/scarce.state"))),
         Ordering::Release,
     );
     FOLDER.store(folder, Ordering::Release);
@@ -165,7 +165,7 @@ fn nap() {
 
 /// Where a descriptor leads, written into `place`.
 fn path_of(fd: c_int, place: &mut [u8; 512]) -> Option<&str> {
-    let link = Text::<64>::of(format_args!("/proc/self/fd/{fd}"));
+    let link = Text::<64>::new(format_args!("/proc/self/fd/{fd}"));
     let link = link.c()?;
     // SAFETY: the link's name ends in a zero, the place has the length that is told.
     let length = unsafe { libc::readlink(link.as_ptr(), place.as_mut_ptr().cast(), place.len()) };

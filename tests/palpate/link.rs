@@ -456,7 +456,7 @@ fn printed() -> String {
         };
         let (datagram, body) = (bytes("datagram"), bytes("body"));
         show("HEADER", &header_values(&datagram));
-        match Kind::of(&datagram).unwrap() {
+        match Kind::stated_in(&datagram).unwrap() {
             Kind::Knock => {}
             Kind::Hello => show("HELLO", &hello_values(&body)),
             Kind::Status => show("STATUS", &status_values(&body)),

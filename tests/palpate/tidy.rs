@@ -37,12 +37,12 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-fn complain(rule: &str, offences: Vec<String>) {
+pub fn complain(rule: &str, offences: Vec<String>) {
     assert!(offences.is_empty(), "{rule}:\n  {}", offences.join("\n  "));
 }
 
 /// Lines of code that contain one of the words, as `file:line: text`, comments left out.
-fn lines_with(folder: &str, words: &[&str]) -> Vec<String> {
+pub fn lines_with(folder: &str, words: &[&str]) -> Vec<String> {
     let mut hits = Vec::new();
     for path in files(&root().join(folder), &[".rs"]) {
         for (number, line) in fs::read_to_string(&path).unwrap().lines().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::tidy::{production, root};
+use super::tidy::{complain, lines_with, production, root};
 
 /// Openings by which a comment continues the sentence of its parent, such as "What it costs."
 const CONTINUATIONS: [&str; 21] = [
@@ -73,4 +73,11 @@ fn doc_comments_stand_alone() {
         fragments.len(),
         fragments.join("\n  ")
     );
+}
+
+#[test]
+fn functions_have_names_of_what_they_do() {
+    let nameless = [concat!("fn o", "f("), concat!("fn o", "f<")];
+    let offences: Vec<String> = lines_with("", &nameless);
+    complain("a function's name says what it does or gives", offences);
 }

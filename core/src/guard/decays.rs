@@ -83,7 +83,7 @@ impl Stretches {
         }
     }
 
-    pub(super) fn of(&mut self, span: Duration) -> &Stretch {
+    pub(super) fn stretch(&mut self, span: Duration) -> &Stretch {
         let known = self.last.iter().position(|s| s.span == span);
         let place = known.unwrap_or_else(|| {
             let place = self.oldest;
@@ -117,7 +117,7 @@ impl<const N: usize> Sums<N> {
     }
 
     /// Evaluates every sum for `energy`.
-    pub(super) fn of(&self, energy: &Decays) -> [f64; N] {
+    pub(super) fn evaluate(&self, energy: &Decays) -> [f64; N] {
         let mut sums = [0.0; N];
         for (column, energy) in self.columns.iter().zip(energy) {
             for (sum, coefficient) in sums.iter_mut().zip(column) {

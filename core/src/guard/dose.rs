@@ -67,11 +67,11 @@ impl Rates {
 impl Dose {
     /// No dose so far, with skin at `t` degrees C.
     pub(super) fn new(t: f64) -> Self {
-        Self::of(Doses::default(), t)
+        Self::at(Doses::default(), t)
     }
 
     /// A dose of `doses` so far, with skin at `t` degrees C.
-    pub(super) fn of(doses: Doses, t: f64) -> Self {
+    pub(super) fn at(doses: Doses, t: f64) -> Self {
         Self {
             omega: doses.omega,
             cem43_min: doses.cem43_min,

@@ -248,7 +248,7 @@ fn tissue_rests_as_warm_as_the_finger() {
     // Where the dose binds, it leaves what its ceiling leaves above rest.
     let mut spent = tissue.clone();
     let most = heat.budget.doses();
-    spent.dose = Dose::of(
+    spent.dose = Dose::at(
         Doses {
             omega: 0.999 * most.omega,
             ..Doses::default()

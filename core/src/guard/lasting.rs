@@ -46,7 +46,7 @@ fn shallow_c(kernel: &Kernel, energy: &Decays, rest_k: f64) -> f64 {
 }
 
 impl Round {
-    fn of(
+    fn new(
         (bursts, period): (&[Booked], Duration),
         energy: Decays,
         (kernel, rest_k): (&Kernel, f64),
@@ -72,7 +72,7 @@ impl Round {
             now = now.max(on);
             let span = (Instant::ZERO + burst.off.since(begun)).since(now);
             round.energy = known
-                .of(span)
+                .stretch(span)
                 .end(&round.energy, burst.energy_nj as f64 * 1e-9);
             round
                 .dose
@@ -90,7 +90,7 @@ impl Round {
         let mut stride = STRIDE;
         while now < to {
             let span = to.since(now).min(stride);
-            self.energy = known.of(span).end(&self.energy, 0.0);
+            self.energy = known.stretch(span).end(&self.energy, 0.0);
             let shallow_c = shallow_c(&self.kernel, &self.energy, self.rest_k);
             self.dose.relax(shallow_c, span.as_secs_f64());
             now += span;
@@ -136,7 +136,7 @@ impl Guard {
         let heat = self.heat.as_ref()?;
         let (limits, rest) = (heat.budget.doses(), (&heat.budget.kernel, heat.rest.most_k));
         let mut known = Stretches::new();
-        let round = |energy, known: &mut _| Round::of((bursts, period), energy, rest, known);
+        let round = |energy, known: &mut _| Round::new((bursts, period), energy, rest, known);
         let first = round(Decays::default(), &mut known);
         let energy = first.energy;
         let after = |rounds: u64| -> Decays {

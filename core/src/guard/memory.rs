@@ -159,7 +159,7 @@ impl Tissue {
             rest_k: face_k,
             ..Self::new(kernel.rest_c)
         };
-        tissue.dose = Dose::of(memory.doses, tissue.shallow_c(kernel));
+        tissue.dose = Dose::at(memory.doses, tissue.shallow_c(kernel));
         tissue
     }
 

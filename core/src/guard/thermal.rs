@@ -177,7 +177,7 @@ impl Response {
 
 impl Felt {
     fn new(sums: &Sums<{ 2 + LOOKS }>, energy: &Decays) -> Self {
-        let [shallow, deep, ahead @ ..] = sums.of(energy);
+        let [shallow, deep, ahead @ ..] = sums.evaluate(energy);
         Self {
             shallow,
             deep,
@@ -210,7 +210,7 @@ impl Budget {
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
             ample: Doses::ample(limits.skin_peak_mc),
-            response: Response::new(stretches.of(Duration::ZERO), (&kernel, &felt)),
+            response: Response::new(stretches.stretch(Duration::ZERO), (&kernel, &felt)),
             kernel,
             felt,
             stretches,
@@ -261,7 +261,7 @@ impl Tissue {
         let span = booking.until.since(booking.from);
         if budget.response.stretch.span != span {
             let sums = (&budget.kernel, &budget.felt);
-            budget.response = Response::new(budget.stretches.of(span), sums);
+            budget.response = Response::new(budget.stretches.stretch(span), sums);
         }
         let [first, others @ ..] = self.rooms(budget, &budget.response, booking);
         let least = |least: (f64, Reason), row: (f64, Reason)| {
@@ -278,7 +278,7 @@ impl Tissue {
         if budget.response.stretch.span == span {
             return tissue.rooms(budget, &budget.response, booking);
         }
-        let response = Response::new(stretches.of(span), (&budget.kernel, &budget.felt));
+        let response = Response::new(stretches.stretch(span), (&budget.kernel, &budget.felt));
         tissue.rooms(budget, &response, booking)
     }
 
@@ -399,7 +399,7 @@ impl Tissue {
         until: Instant,
         joules: f64,
     ) {
-        let stretch = stretches.of(until.since(self.at));
+        let stretch = stretches.stretch(until.since(self.at));
         if self.at.as_micros().is_multiple_of(BIN_US) {
             self.bins.copy_within(..BINS - 1, 1);
             self.bins[0] = 0.0;

@@ -19,7 +19,7 @@ pub(super) struct Power {
 }
 
 impl Power {
-    fn of(self, share: f32) -> f32 {
+    fn raise(self, share: f32) -> f32 {
         // The named laws need no power function.
         match self.exponent {
             e if (e - 0.5).abs() < f32::EPSILON => libm::sqrtf(share),
@@ -34,7 +34,7 @@ impl Power {
     fn apply(self, shares: &mut [f32]) {
         let mut energy = 0.0;
         for a in shares.iter_mut().filter(|s| **s > 0.0) {
-            *a = self.of(*a);
+            *a = self.raise(*a);
             energy += *a * *a;
         }
         if self.level && energy > 0.0 {

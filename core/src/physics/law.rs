@@ -113,7 +113,7 @@ impl Law {
         start_c: f64,
     ) -> Result<Self, ParameterError> {
         let bow = Bow::new(wire, tissue)?;
-        Self::of(wire, Curve::new(&bow, wire), start_c, SHARES)
+        Self::with_shares(wire, Curve::new(&bow, wire), start_c, SHARES)
     }
 
     /// Makes the law of a wire in a bow of any curve.
@@ -125,10 +125,10 @@ impl Law {
         curve: Curve,
         start_c: f64,
     ) -> Result<Self, ParameterError> {
-        Self::of(wire, curve, start_c, SHARES)
+        Self::with_shares(wire, curve, start_c, SHARES)
     }
 
-    pub(super) fn of(
+    pub(super) fn with_shares(
         wire: &WireParameters,
         curve: Curve,
         start_c: f64,

@@ -38,7 +38,7 @@ fn constant(wire: &WireParameters, count: usize) -> Law {
     let piece = &mut curve.pieces[0];
     (piece.high, piece.stiffness_pa, piece.stress_pa) = (f64::INFINITY, 0.0, 0.0);
     piece.tight = false;
-    Law::of(wire, curve, 33.0, count).unwrap()
+    Law::with_shares(wire, curve, 33.0, count).unwrap()
 }
 
 /// The strain as it is written down, with the product of martensite and temperature.

@@ -115,7 +115,7 @@ impl Output {
     /// An output that drives nothing yet; the first onset is due at once.
     pub fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
         let n = display.wires().len();
-        let blank = settings.share.of(Ticks::ZERO);
+        let blank = settings.share.stimulus(Ticks::ZERO);
         let boards = display.wires().iter().map(|w| w.board.0).max().unwrap_or(0);
         Self {
             timing: settings.timing,
@@ -413,7 +413,7 @@ impl Output {
                 wire: index as u16, // a display has at most 256 wires
                 at: onset,
                 until,
-                ..self.share.of(width)
+                ..self.share.stimulus(width)
             };
             count += 1;
         }

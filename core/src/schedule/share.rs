@@ -28,7 +28,7 @@ impl Share {
     /// Width and current of a stimulus that would have this width at the full current, with no wire and no time yet. It brings
     /// no more energy than that.
     #[must_use]
-    pub fn of(&self, width: Ticks) -> Stimulus {
+    pub fn stimulus(&self, width: Ticks) -> Stimulus {
         let (wanted, least) = (width.get(), self.narrowest.get());
         let peak = match (1..least).contains(&wanted) {
             // Energy goes with the square of the current.

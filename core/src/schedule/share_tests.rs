@@ -11,7 +11,7 @@ const SET: Share = Share {
 #[test]
 fn a_level_has_less_width_and_then_less_current() {
     let of = |share: Share, width| {
-        let s = share.of(Ticks::new(width));
+        let s = share.stimulus(Ticks::new(width));
         (s.width.get(), s.peak.0)
     };
     let set = [0, 1, 10, 39, 40, 100].map(|w| of(SET, w));
@@ -32,7 +32,7 @@ proptest! {
     #[test]
     fn the_energy_is_the_same_to_a_milliampere_and_never_more(width in 1..4096u16, full in 100..5000u32, least in 0..200u16) {
         let share = Share { peak: Milliamps(full), narrowest: Ticks::new(least) };
-        let s = share.of(Ticks::new(width));
+        let s = share.stimulus(Ticks::new(width));
         let energy = |ticks: u16, milliamps: u32| u64::from(ticks) * u64::from(milliamps).pow(2);
         let wanted = energy(width, full);
         prop_assert!(energy(s.width.get(), s.peak.0) <= wanted);

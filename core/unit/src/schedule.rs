@@ -37,7 +37,7 @@ impl Wires {
         Self(table)
     }
 
-    fn of(&self, board: Board, channel: Channel) -> Option<u16> {
+    fn number(&self, board: Board, channel: Channel) -> Option<u16> {
         let board = self.0.get(usize::from(board.0))?;
         *board.get(usize::from(channel.0))?
     }
@@ -74,7 +74,7 @@ impl Schedule {
         self.clear();
         let mut left_out = 0;
         for planned in plan {
-            let Some(wire) = self.wires.of(planned.board, planned.channel) else {
+            let Some(wire) = self.wires.number(planned.board, planned.channel) else {
                 left_out += 1;
                 continue;
             };
@@ -113,7 +113,7 @@ impl Schedule {
         let mut kept = 0;
         for index in 0..self.count {
             let planned = self.planned[index];
-            let wire = self.wires.of(planned.board, planned.channel);
+            let wire = self.wires.number(planned.board, planned.channel);
             let goes = (planned.at, planned.board) == (at, board);
             match (wire, out.get_mut(taken)) {
                 (Some(wire), Some(slot)) if goes => {

@@ -28,7 +28,7 @@ struct Books {
 }
 
 impl Standing {
-    pub(super) fn of(display: &WornDisplay, with_books: bool) -> Self {
+    pub(super) fn new(display: &WornDisplay, with_books: bool) -> Self {
         let copy = if with_books {
             Wire::ahead_with_books
         } else {
@@ -62,7 +62,7 @@ impl Standing {
         for wire in &wires {
             floor.raise(&wire.solver().peaks_floor());
         }
-        let totals = DisplayTotals::of(&mut wires, &floor, books.peak_supply, self.now);
+        let totals = DisplayTotals::new(&mut wires, &floor, books.peak_supply, self.now);
         Some(match &books.warmed {
             Some(rise) => rise.total(totals),
             None => totals,

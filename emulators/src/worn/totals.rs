@@ -27,7 +27,7 @@ pub struct DisplayTotals {
 
 impl DisplayTotals {
     /// No tissue is searched that cannot have passed `floor`: what one of the wires is known to have reached, or none.
-    pub(super) fn of(
+    pub(super) fn new(
         wires: &mut [Wire],
         floor: &Peaks,
         peak_supply: Milliamps,

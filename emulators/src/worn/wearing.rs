@@ -25,7 +25,7 @@ impl Wearing {
         count: usize,
     ) -> Result<Self, ParameterError> {
         let one = Wire::new(wire, tissue, tissue.body_c)?.worn(tissue)?;
-        Ok(Self::of(one, count))
+        Ok(Self::all(one, count))
     }
 
     /// Other wires at rest in the place of these.
@@ -38,10 +38,10 @@ impl Wearing {
         tissue: &TissueParameters,
     ) -> Result<Self, ParameterError> {
         let one = Wire::beside(self.wires.first(), wire, tissue, tissue.body_c)?;
-        Ok(Self::of(one.worn(tissue)?, self.wires.len()))
+        Ok(Self::all(one.worn(tissue)?, self.wires.len()))
     }
 
-    fn of(one: Wire, count: usize) -> Self {
+    fn all(one: Wire, count: usize) -> Self {
         Self {
             wires: vec![one; count],
             perceiver: None,

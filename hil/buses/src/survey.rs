@@ -247,7 +247,7 @@ fn look_at_boards(bus: WatchedBus, watch: &Watch) -> Vec<Finding> {
 }
 
 fn look_at_latch(path: &Path) -> Option<Finding> {
-    let held = Latch::of(&Hardware::adapter(path).ok()?).look()?;
+    let held = Latch::new(&Hardware::adapter(path).ok()?).look()?;
     let off = if held.verified {
         "everything was off"
     } else {

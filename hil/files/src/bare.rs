@@ -21,7 +21,7 @@ pub(super) struct Tail {
 
 impl Tail {
     /// The tail that holds all columns taken; none where columns stand elsewhere or need more than reading.
-    pub(super) fn of(dialect: Dialect, taken: &[Taken], width: usize) -> Option<Self> {
+    pub(super) fn new(dialect: Dialect, taken: &[Taken], width: usize) -> Option<Self> {
         let separator = dialect.separator.filter(|_| !dialect.decimal_comma)?;
         let before = taken.first()?.place;
         let is_next = |(n, column): (usize, &Taken)| {

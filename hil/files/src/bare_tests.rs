@@ -4,9 +4,9 @@ use super::*;
 
 fn tail(before: usize, count: usize) -> Tail {
     let taken: Vec<Taken> = (before..before + count)
-        .map(|place| Taken::of(place, String::new()))
+        .map(|place| Taken::new(place, String::new()))
         .collect();
-    Tail::of(Dialect::default(), &taken, before + count).unwrap()
+    Tail::new(Dialect::default(), &taken, before + count).unwrap()
 }
 
 #[test]

@@ -78,7 +78,7 @@ impl Blocks {
             let found = "an empty folder";
             return Err(FileError::whole(label, "a file for each frame", found));
         };
-        let found = Shape::of(&mut open(first)?, count, stated)?;
+        let found = Shape::find(&mut open(first)?, count, stated)?;
         let lines = open(first)?;
         let note = if path.is_dir() {
             let Some((shape, _)) = found.as_ref().filter(|(_, heights)| heights.len() == 1) else {
@@ -206,7 +206,7 @@ impl made::Lines for Blocks {
 impl Shape {
     /// The shape of the frames at the beginning of a text, and the lines of its first two blocks. None where a line holds
     /// other words, or a whole row of `count` readings.
-    fn of(
+    fn find(
         lines: &mut Lines<File>,
         count: usize,
         stated: Option<usize>,
@@ -259,7 +259,7 @@ impl Shape {
     /// The shape of lines that hold more than one number. None where they do not hold as many each, unless they may differ: then
     /// the first counts.
     fn of_lines(lines: &[String], may_differ: bool) -> Option<Self> {
-        let dialect = Dialect::of(&(lines.join("\n") + "\n"), Writing::default());
+        let dialect = Dialect::guess(&(lines.join("\n") + "\n"), Writing::default());
         let mut fields = Fields::new(dialect);
         let first = fields.split(lines.first()?);
         let count = first.count();

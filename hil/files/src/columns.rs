@@ -136,7 +136,12 @@ impl Take<'_> {
 
     /// Chooses the columns by the fields of the first line, with a remark on the choice; `times` are the columns of
     /// times.
-    pub(super) fn of(self, first: &[&str], header: bool, times: &[usize]) -> Result<Chosen, Wrong> {
+    pub(super) fn choose(
+        self,
+        first: &[&str],
+        header: bool,
+        times: &[usize],
+    ) -> Result<Chosen, Wrong> {
         match self {
             Self::Taxels(columns) => taxels(first, header, columns, times),
             Self::Recipe(plan) => Ok((plan.columns(first, header, times)?, None)),
@@ -148,7 +153,7 @@ impl Take<'_> {
     fn in_order(self, first: &[&str], header: bool) -> Result<Vec<Taken>, Wrong> {
         let called = |place: usize| {
             let name = if header { first[place] } else { "" };
-            Taken::of(place, name.to_owned())
+            Taken::new(place, name.to_owned())
         };
         let beginning = |prefix: &str, wanted: &dyn Fn(&str) -> bool| -> Vec<Taken> {
             let fits = |c: &usize| header && first[*c].starts_with(prefix) && wanted(first[*c]);
@@ -233,7 +238,7 @@ fn taxels(
     };
     let taken = (before..first.len())
         .enumerate()
-        .map(|(index, place)| Taken::of(place, columns.name(index)));
+        .map(|(index, place)| Taken::new(place, columns.name(index)));
     let note = format!(
         "no heading: {} columns are `{}`, `{}` and so on, in the layout's order",
         if before == 0 { "all" } else { "the last" },
@@ -265,7 +270,7 @@ fn own(first: &[&str], columns: &Columns, times: &[usize]) -> Result<Vec<Taken>,
                 shown(first[place]),
             ));
         }
-        taken.push(Taken::of(place, name));
+        taken.push(Taken::new(place, name));
     }
     let joints = first.iter().filter(|name| name.starts_with(JOINT)).count();
     let found = first.len() - times.len() - joints;
@@ -310,7 +315,7 @@ fn numbered(first: &[&str], places: &[usize], columns: &Columns) -> Result<Optio
     let taken = fit
         .iter()
         .flat_map(|group| &group.places)
-        .map(|place| Taken::of(*place, first[*place].to_owned()));
+        .map(|place| Taken::new(*place, first[*place].to_owned()));
     Ok(Some((taken.collect(), Some(told(&fit, columns)))))
 }
 
@@ -343,7 +348,7 @@ fn counted(first: &[&str], prefix: &str, count: usize) -> Result<Chosen, Wrong> 
     let mended = group
         .places
         .iter()
-        .map(|place| Taken::of(*place, first[*place].to_owned()));
+        .map(|place| Taken::new(*place, first[*place].to_owned()));
     let note = format!(
         "columns `{}` are taken in the order of the numbers in their names, which is not that of the file",
         group.pattern

@@ -33,7 +33,7 @@ impl Default for Dialect {
 impl Dialect {
     /// The dialect in which most fields behind the first line are values, and all lines have as many. The order of the
     /// candidates decides between equals: a comma may be a decimal mark, and blanks may stand around any of them.
-    pub(super) fn of(start: &str, known: Writing) -> Self {
+    pub(super) fn guess(start: &str, known: Writing) -> Self {
         let lines: Vec<&str> = whole_lines(start)
             .filter(|line| !is_remark(line))
             .take(LOOKED_AT)

@@ -3,7 +3,7 @@
 use super::*;
 
 fn rows(text: &str) -> Vec<Vec<String>> {
-    let mut fields = Fields::new(Dialect::of(text, Writing::default()));
+    let mut fields = Fields::new(Dialect::guess(text, Writing::default()));
     let lines = text.lines().filter(|line| !is_remark(line));
     lines
         .map(|line| fields.split(line).iter().map(str::to_owned).collect())

@@ -122,7 +122,7 @@ const GVRET: &str = "a GVRET log of SavvyCAN (awk -F, '$3==\"false\"{d=\"\";for(
 impl Format {
     /// The format of a file with this beginning; none for an empty file, and for text without a mark.
     #[must_use]
-    pub fn of(start: &[u8]) -> Option<Self> {
+    pub fn recognise(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"PK\x03\x04") && start.windows(4).take(256).any(|w| w == b".npy") {
             return Some(Self::Npz);
         }

@@ -45,7 +45,7 @@ fn formats_are_told_by_their_first_bytes() {
         (b"hello\n", None),
         (b"", None),
     ] {
-        assert_eq!(Format::of(start), format, "{}", start.escape_ascii());
+        assert_eq!(Format::recognise(start), format, "{}", start.escape_ascii());
     }
     for start in [
         &b"\0\0\0"[..],
@@ -60,7 +60,7 @@ fn formats_are_told_by_their_first_bytes() {
         b"\xFE\0\0\0\0\0\0\0\x80",
         b"GHDLwave\n",
     ] {
-        assert!(matches!(Format::of(start), Some(Format::Binary(_))));
+        assert!(matches!(Format::recognise(start), Some(Format::Binary(_))));
     }
 }
 
@@ -68,11 +68,19 @@ fn formats_are_told_by_their_first_bytes() {
 fn every_shipped_settings_file_is_toml() {
     for name in palpate_fixtures::scene_names() {
         let text = palpate_fixtures::scene(name).unwrap();
-        assert_eq!(Format::of(text.as_bytes()), Some(Format::Toml), "{name}");
+        assert_eq!(
+            Format::recognise(text.as_bytes()),
+            Some(Format::Toml),
+            "{name}"
+        );
     }
     for name in palpate_fixtures::layout_names() {
         let text = palpate_fixtures::layout(name).unwrap();
-        assert_eq!(Format::of(text.as_bytes()), Some(Format::Toml), "{name}");
+        assert_eq!(
+            Format::recognise(text.as_bytes()),
+            Some(Format::Toml),
+            "{name}"
+        );
     }
 }
 
@@ -87,5 +95,5 @@ fn a_heading_is_found_behind_a_mark_and_between_lines_of_windows() {
     let (head, body) = headed(&windows);
     assert_eq!(head, Some("source: x\r\nwhy: y"));
     assert_eq!(body, "palpate contacts of a (b)\r\n");
-    assert_eq!(Format::of(windows.as_bytes()), Some(Format::Golden));
+    assert_eq!(Format::recognise(windows.as_bytes()), Some(Format::Golden));
 }

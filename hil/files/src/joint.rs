@@ -112,7 +112,7 @@ pub struct Gate {
 
 impl Gate {
     /// The gate of a condition, on these joints.
-    pub(super) fn of(
+    pub(super) fn new(
         when: &When,
         joints: &[Joint],
         source: &Source,

@@ -50,7 +50,7 @@ pub trait Settings: Sized {
     ///
     /// # Errors
     /// Names the line and key of a value that is refused.
-    fn of(source: &Source) -> Result<Self, FileError>;
+    fn read(source: &Source) -> Result<Self, FileError>;
 }
 
 /// The types of settings files with their kinds, and the function that loads one, where callers name such files.
@@ -59,7 +59,7 @@ macro_rules! files {
         impl Settings for $type {
             const KIND: FileKind = FileKind::$kind;
 
-            fn of(source: &Source) -> Result<Self, FileError> {
+            fn read(source: &Source) -> Result<Self, FileError> {
                 Self::read(source)
             }
         }
@@ -112,7 +112,7 @@ impl<T: Settings> Loaded<T> {
     /// # Errors
     /// Names the line and key of a value that is refused.
     pub fn read(source: Source) -> Result<Self, FileError> {
-        let value = T::of(&source).map_err(|error| match cfg!(target_family = "wasm") {
+        let value = T::read(&source).map_err(|error| match cfg!(target_family = "wasm") {
             // Nobody types keys in a browser's page, and the schemas weigh 24 kB with gzip.
             true => error,
             false => elsewhere(T::KIND, error),

@@ -27,7 +27,7 @@ pub(super) struct Made<L> {
 }
 
 impl<L> Made<L> {
-    pub(super) const fn of(lines: L) -> Self {
+    pub(super) const fn new(lines: L) -> Self {
         Self {
             lines,
             text: Vec::new(),

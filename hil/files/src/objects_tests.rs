@@ -6,7 +6,7 @@ use crate::made::Made;
 fn table(text: &str) -> Result<String, String> {
     let mut table = String::new();
     let objects = Objects::new(text.as_bytes(), "f.json");
-    let read = Made::of(objects).read_to_string(&mut table);
+    let read = Made::new(objects).read_to_string(&mut table);
     read.map(|_| table).map_err(|e| e.to_string())
 }
 

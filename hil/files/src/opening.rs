@@ -33,13 +33,13 @@ impl Opening {
     ///
     /// # Errors
     /// A text of another format, and an empty one.
-    pub(super) fn of<R: Read>(lines: &mut Lines<R>, known: Writing) -> Result<Self, FileError> {
+    pub(super) fn read<R: Read>(lines: &mut Lines<R>, known: Writing) -> Result<Self, FileError> {
         if let Some(format) = lines.format()?.filter(|f| *f != Format::Csv) {
             let label = lines.label();
             return Err(FileError::whole(label, "a recording (CSV)", format.noun()));
         }
         let start = lines.start()?.to_owned();
-        let dialect = Dialect::of(&start, known);
+        let dialect = Dialect::guess(&start, known);
         let mut fields = Fields::new(dialect);
         let (remark, line, first) = first_line(lines)?;
         let row = fields.split(&first);

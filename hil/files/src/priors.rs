@@ -135,7 +135,7 @@ impl PriorsFile {
 
     /// The distribution of a quantity; `None` where the bench's value counts.
     #[must_use]
-    pub fn of(&self, quantity: Quantity) -> Option<Prior> {
+    pub fn prior(&self, quantity: Quantity) -> Option<Prior> {
         self.prior.entry(quantity).and_then(PriorEntry::prior)
     }
 }

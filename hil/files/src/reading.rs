@@ -126,7 +126,7 @@ pub fn read_bytes(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>, Fil
 pub fn read_text(path: &Path, expected: &str, most: u64) -> Result<String, FileError> {
     let bytes = read_bytes(path, expected, most)?;
     let label = path.display().to_string();
-    if let Some(format) = Format::of(&bytes).filter(|f| !f.is_text()) {
+    if let Some(format) = Format::recognise(&bytes).filter(|f| !f.is_text()) {
         return Err(FileError::whole(label, expected, format.noun()));
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -153,7 +153,7 @@ pub fn format_of(path: &Path) -> Option<Format> {
     let mut start = Vec::new();
     let file = open(path, "").ok()?;
     file.take(START as u64).read_to_end(&mut start).ok()?;
-    Format::of(&start)
+    Format::recognise(&start)
 }
 
 /// Bytes of a text without a byte order mark. No line is longer than allowed, and a tail of NULs, as a power cut
@@ -405,7 +405,7 @@ impl<R: Read> Lines<R> {
     /// # Errors
     /// The errors of [`Lines::advance`].
     pub fn format(&mut self) -> Result<Option<Format>, FileError> {
-        let start = self.text.fill_buf().map(Format::of);
+        let start = self.text.fill_buf().map(Format::recognise);
         start.map_err(|e| FileError::of_io(self.label(), "a readable file", e))
     }
 

@@ -133,7 +133,7 @@ pub struct RecipeModule {
 }
 
 impl Recipe {
-    /// Reads and checks a recipe; whether it fits its layout is checked by [`RecipePlan::of`](super::RecipePlan::of).
+    /// Reads and checks a recipe; whether it fits its layout is checked by [`RecipePlan::new`](super::RecipePlan::new).
     ///
     /// # Errors
     /// Names the line and key of what cannot be.

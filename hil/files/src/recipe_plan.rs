@@ -52,7 +52,7 @@ impl RecipePlan {
     ///
     /// # Errors
     /// Names the line and key of a module that the layout does not have, or that cannot be turned so.
-    pub fn of(recipe: &Recipe, source: &Source, layout: &SensorLayout) -> Result<Self, FileError> {
+    pub fn new(recipe: &Recipe, source: &Source, layout: &SensorLayout) -> Result<Self, FileError> {
         let names: Vec<&str> = layout.modules.iter().map(|m| m.name.as_str()).collect();
         let mut modules: Vec<Option<Planned>> = vec![None; layout.modules.len()];
         for (index, module) in recipe.modules.iter().enumerate() {
@@ -140,7 +140,7 @@ impl RecipePlan {
                 Taken {
                     gain: module.gain.map(|gain| gain.turned(*is_opposite)),
                     is_opposite: *is_opposite && module.gain.is_none(),
-                    ..Taken::of(place, name.to_owned())
+                    ..Taken::new(place, name.to_owned())
                 }
             }));
         }

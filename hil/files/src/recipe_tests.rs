@@ -33,7 +33,7 @@ fn one(axes: u8) -> SensorLayout {
 fn planned(text: &str, layout: &SensorLayout) -> Result<RecipePlan, String> {
     let source = Source::new("r.toml", format!("{HEAD}{text}"));
     let recipe = Recipe::read(&source).map_err(|e| e.to_string())?;
-    RecipePlan::of(&recipe, &source, layout).map_err(|e| e.to_string())
+    RecipePlan::new(&recipe, &source, layout).map_err(|e| e.to_string())
 }
 
 /// The rows of a table by a recipe, and what is said of it.

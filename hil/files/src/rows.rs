@@ -89,18 +89,18 @@ fn table(
             let rest_rows = timing.map_or(0, |timing| timing.rest_rows);
             let array = arrays::read(path, count, rest_rows)?;
             let note = array.note();
-            (Box::new(Made::of(array)), note)
+            (Box::new(Made::new(array)), note)
         }
         Some(Format::Json) => {
             let file = open(path, "a readable file")?;
             let objects = objects::Objects::new(file, &label);
-            (Box::new(Made::of(objects)), None)
+            (Box::new(Made::new(objects)), None)
         }
         Some(Format::Mcap) => {
             let topic = timing.and_then(|timing| timing.topic.as_deref());
             let messages = messages::Messages::open(path, topic)?;
             let note = messages.note();
-            (Box::new(Made::of(messages)), Some(note))
+            (Box::new(Made::new(messages)), Some(note))
         }
         _ => {
             let plain = (!path.is_dir()).then(|| text(path)).transpose()?;
@@ -108,7 +108,7 @@ fn table(
             match (blocks, plain) {
                 (Some(blocks), _) => {
                     let note = blocks.note();
-                    (Box::new(Made::of(blocks)), Some(note))
+                    (Box::new(Made::new(blocks)), Some(note))
                 }
                 (None, Some(plain)) => (Box::new(plain), None),
                 (None, None) => (Box::new(text(path)?), None),
@@ -125,7 +125,7 @@ fn table(
 pub(super) fn opened(path: &Path, timing: &Timing) -> Result<(Opening, Option<String>), FileError> {
     let (text, note) = table(path, 0, Some(timing), None)?;
     Ok((
-        Opening::of(&mut Lines::over(text), Writing::default())?,
+        Opening::read(&mut Lines::over(text), Writing::default())?,
         note,
     ))
 }
@@ -147,7 +147,7 @@ impl<R: Read> Rows<R> {
     pub fn over(text: Text<R>, take: Take<'_>, timing: Option<&Timing>) -> Result<Self, FileError> {
         let mut lines = Lines::over(text);
         let label = lines.label().to_owned();
-        let head = Opening::of(&mut lines, take.writing())?;
+        let head = Opening::read(&mut lines, take.writing())?;
         let at = |(key, expected, found): Wrong| FileError {
             path: label.clone(),
             line: Some(head.line),
@@ -171,7 +171,9 @@ impl<R: Read> Rows<R> {
         let bare = head.bare();
         let bare: Vec<&str> = bare.iter().map(String::as_str).collect();
         let first = names.as_deref().unwrap_or(&bare);
-        let (mut taken, order_note) = take.of(first, has_heading, &clock.places()).map_err(at)?;
+        let (mut taken, order_note) = take
+            .choose(first, has_heading, &clock.places())
+            .map_err(at)?;
         if matches!((&clock, timing), (Clock::None, Some(_))) {
             let expected = "a first column time_us, or a rate (--rate HZ), or --time COLUMN:UNIT";
             return Err(at((None, expected.into(), "neither".into())));
@@ -185,9 +187,9 @@ impl<R: Read> Rows<R> {
         if gain.is_some() {
             taken.iter_mut().for_each(|column| column.gain = gain);
         }
-        let parts = take.turns(first, has_heading).map_err(at)?.map(Parts::of);
+        let parts = take.turns(first, has_heading).map_err(at)?.map(Parts::new);
         let tail = match parts {
-            None => Tail::of(head.dialect, &taken, first.len()),
+            None => Tail::new(head.dialect, &taken, first.len()),
             Some(_) => None,
         };
         let notes = [order_note, clock_note].into_iter().flatten();
@@ -215,7 +217,7 @@ impl<R: Read> Rows<R> {
     /// # Errors
     /// The first line that is no row, with its column; a table without a row.
     pub fn advance<V: Number>(&mut self, values: &mut Vec<V>) -> Result<Option<RowAt>, FileError> {
-        let mut frame = Frame::of(self.parts.as_ref());
+        let mut frame = Frame::new(self.parts.as_ref());
         loop {
             values.clear();
             let pending = self.pending.take();

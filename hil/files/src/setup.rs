@@ -356,7 +356,7 @@ pub fn plan_of(recipe: &Loaded<Recipe>) -> Result<(RecipePlan, SensorLayout), Fi
         let found = format!("the display `{}`", value.layout);
         return Err(source.bad_found("layout", expected, found));
     };
-    Ok((RecipePlan::of(value, source, &layout)?, layout))
+    Ok((RecipePlan::new(value, source, &layout)?, layout))
 }
 
 /// The skin of a scene.

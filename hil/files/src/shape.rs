@@ -20,7 +20,7 @@ pub(super) struct Shape {
 
 impl Shape {
     /// The shape of a JSON text whose numbers have these names; none where it has other numbers as well, such as those in texts.
-    pub(super) fn of(json: &[u8], names: &[String]) -> Option<Self> {
+    pub(super) fn find(json: &[u8], names: &[String]) -> Option<Self> {
         let (mut around, mut piece, mut counted) = (Vec::new(), Vec::new(), Vec::new());
         let (mut at, mut in_text) = (0, false);
         while let Some(byte) = json.get(at) {

@@ -10,7 +10,7 @@ fn leaves(json: &str) -> Vec<(String, String)> {
 
 fn shape(json: &str) -> Option<Shape> {
     let names: Vec<String> = leaves(json).into_iter().map(|leaf| leaf.0).collect();
-    Shape::of(json.as_bytes(), &names)
+    Shape::find(json.as_bytes(), &names)
 }
 
 #[test]

@@ -44,7 +44,7 @@ impl Source {
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
         let text = read_text(path, "a settings file (TOML)", MOST_SETTINGS)?;
-        if let Some(format) = Format::of(text.as_bytes()).filter(|f| *f != Format::Toml) {
+        if let Some(format) = Format::recognise(text.as_bytes()).filter(|f| *f != Format::Toml) {
             return Err(FileError::whole(
                 label,
                 "a settings file (TOML)",

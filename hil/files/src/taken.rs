@@ -15,7 +15,7 @@ pub(super) struct Taken {
 
 impl Taken {
     /// A column of counts.
-    pub(super) const fn of(place: usize, name: String) -> Self {
+    pub(super) const fn new(place: usize, name: String) -> Self {
         Self {
             place,
             name,

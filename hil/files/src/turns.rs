@@ -26,7 +26,7 @@ pub(super) struct Frame<V> {
 }
 
 impl Parts {
-    pub(super) const fn of(turns: Turns) -> Self {
+    pub(super) const fn new(turns: Turns) -> Self {
         Self {
             turns,
             now: 0,
@@ -94,7 +94,7 @@ impl Parts {
 
 impl<V: Number> Frame<V> {
     /// An empty frame.
-    pub(super) fn of(parts: Option<&Parts>) -> Self {
+    pub(super) fn new(parts: Option<&Parts>) -> Self {
         let count = parts.map_or(0, |parts| parts.turns.sensors.len());
         Self {
             parts: (0..count).map(|_| None).collect(),

@@ -73,7 +73,7 @@ pub fn journal(
     let files: Vec<_> = files.iter().map(with_format).collect::<Result<_, _>>()?;
     let (header, attached) = (header(setup, seed, projector)?, attachments(setup));
     let about = About::Run(&header, &[], &attached);
-    let sinks = Sink::create_all(&files, &about, Outputs::of(force))?;
+    let sinks = Sink::create_all(&files, &about, Outputs::new(force))?;
     Journal::start(sinks, false)
 }
 

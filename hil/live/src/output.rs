@@ -59,7 +59,7 @@ fn is_ours(start: &[u8], format: Format) -> bool {
 
 impl Outputs<'_> {
     /// The outputs of a command that reads no recording. With `force` anything may be replaced.
-    pub const fn of(force: bool) -> Outputs<'static> {
+    pub const fn new(force: bool) -> Outputs<'static> {
         Outputs { force, inputs: &[] }
     }
 
@@ -92,7 +92,7 @@ impl Outputs<'_> {
         if !matches!(read, Ok(Ok(_))) {
             return refuse("a file that cannot be read");
         }
-        match Format::of(&start) {
+        match Format::recognise(&start) {
             Some(found) if found == format && is_ours(&start, format) => Ok(()),
             _ if start.is_empty() => Ok(()),
             Some(found) if found == format => refuse("another program's"),

@@ -32,7 +32,7 @@ pub enum Telling {
 
 impl Telling {
     /// The form that the options `--json` and `--quiet` ask for.
-    pub const fn of(json: bool, quiet: bool) -> Self {
+    pub const fn new(json: bool, quiet: bool) -> Self {
         match (json, quiet) {
             (true, _) => Self::Json,
             (_, true) => Self::Nothing,

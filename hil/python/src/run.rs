@@ -129,7 +129,7 @@ pub fn run(
 
 impl Run {
     /// Outcome of one of several displays, or of all of them.
-    fn of(&self, display: Option<usize>) -> PyResult<&Outcome> {
+    fn outcome(&self, display: Option<usize>) -> PyResult<&Outcome> {
         let Some(number) = display else {
             return Ok(&self.outcome);
         };
@@ -152,7 +152,7 @@ impl Run {
     /// The columns of a table: of the run, or of one of several displays.
     #[pyo3(signature = (name, display=None))]
     fn table(&self, name: &str, display: Option<usize>) -> PyResult<Table> {
-        let outcome = self.of(display)?;
+        let outcome = self.outcome(display)?;
         match name {
             "margins" => Ok(tables::margins(&outcome.trace.ledger.margins)),
             "warmth" => Ok(tables::warmth(&outcome.warmth)),
@@ -191,7 +191,7 @@ impl Run {
     /// The report: one page of HTML, of the run or of one of several displays.
     #[pyo3(signature = (display=None))]
     fn html(&self, py: Python<'_>, display: Option<usize>) -> PyResult<String> {
-        let outcome = self.of(display)?;
+        let outcome = self.outcome(display)?;
         free(py, || Ok(report(outcome)))
     }
 

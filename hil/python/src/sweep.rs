@@ -44,7 +44,7 @@ impl Sweep {
         free(py, || {
             let axes = axes.into_iter().map(|(key, values)| Axis { key, values });
             let grid = Grid::new(axes.collect(), seeds)?;
-            let outputs = Outputs::of(force);
+            let outputs = Outputs::new(force);
             Growing::check(&out, outputs)?;
             let mut work = Work::read(&base, grid, None)?;
             let table = Some(work.open(&out, outputs)?);

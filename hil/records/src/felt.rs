@@ -62,7 +62,7 @@ pub struct FeltScore {
 
 /// The felt path of a run by both centroids, the energy's first.
 pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
-    FeltPath::of(trace).scores()
+    FeltPath::from_trace(trace).scores()
 }
 
 /// A felt path that is scored onset by onset, in the order of time.
@@ -111,7 +111,7 @@ impl FeltPath {
         }
     }
 
-    fn of(trace: &Trace) -> Self {
+    fn from_trace(trace: &Trace) -> Self {
         let mut path = Self::new(&trace.header);
         trace.events.iter().for_each(|event| path.add(event));
         path
@@ -246,7 +246,7 @@ pub struct FeltLevel {
 
 /// The level of a run; `None` where no contact was inside the display.
 pub fn felt_level(trace: &Trace) -> Option<FeltLevel> {
-    FeltPath::of(trace).level()
+    FeltPath::from_trace(trace).level()
 }
 
 /// Least and most of an energy.
@@ -255,7 +255,7 @@ pub type Range = (u32, u32);
 /// Least and most energy of the onsets with a contact inside the display, in thousandths of one wire's at full drive:
 /// requested, applied, felt. `None` where there was none.
 pub fn energies(trace: &Trace) -> Option<[(&'static str, Range); 3]> {
-    FeltPath::of(trace).energies()
+    FeltPath::from_trace(trace).energies()
 }
 
 /// Thousandths of an energy in decibels.

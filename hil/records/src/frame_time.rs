@@ -14,7 +14,7 @@ pub struct FrameTime {
 
 impl FrameTime {
     /// Sums up measured times, and leaves out what is no number. `None` where none was measured.
-    pub fn of(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
+    pub fn summarise(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = costs_us.filter(|us| us.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
         let at = |part| quantile(&sorted, part).map(|at| f64::from(at.below));

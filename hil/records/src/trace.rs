@@ -43,7 +43,7 @@ impl Source {
     }
 
     /// The source of this word.
-    pub fn of(word: &str) -> Option<Self> {
+    pub fn named(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|source| source.word() == word)
     }
 

@@ -63,19 +63,19 @@ impl<W: Write> Vcd<W> {
             let (board, channel) = (info.board, info.channel);
             writeln!(out, "$scope module wire{wire} $end")?;
             if emulated {
-                let id = Code::of(wire, PIN);
+                let id = Code::new(wire, PIN);
                 writeln!(out, "$var wire 1 {id} pin_b{board}_ch{channel} $end")?;
             }
             for (kind, name) in [(ON, "on_ticks"), (OFF, "off_ticks")] {
                 writeln!(
                     out,
                     "$var reg 13 {} {name} [12:0] $end",
-                    Code::of(wire, kind)
+                    Code::new(wire, kind)
                 )?;
             }
             if emulated {
                 for (kind, name) in [(WIRE_C, "wire_celsius"), (SKIN_C, "skin_celsius")] {
-                    writeln!(out, "$var real 64 {} {name} $end", Code::of(wire, kind))?;
+                    writeln!(out, "$var real 64 {} {name} $end", Code::new(wire, kind))?;
                 }
             }
             writeln!(out, "$upscope $end")?;
@@ -87,10 +87,10 @@ impl<W: Write> Vcd<W> {
         writeln!(out, "$upscope $end\n$enddefinitions $end\n#0\n$dumpvars")?;
         for wire in 0..header.wires.len() {
             if emulated {
-                writeln!(out, "0{}", Code::of(wire, PIN))?;
+                writeln!(out, "0{}", Code::new(wire, PIN))?;
             }
             for kind in [ON, OFF] {
-                writeln!(out, "b0 {}", Code::of(wire, kind))?;
+                writeln!(out, "b0 {}", Code::new(wire, kind))?;
             }
         }
         writeln!(out, "$end")?;
@@ -116,7 +116,7 @@ impl<W: Write> Vcd<W> {
                     let wire = self.wire(edge.board, edge.channel);
                     if let Some(wire) = wire.filter(|_| self.emulated) {
                         self.time(t_ns)?;
-                        writeln!(self.out, "{}{}", u8::from(edge.high), Code::of(wire, PIN))?;
+                        writeln!(self.out, "{}{}", u8::from(edge.high), Code::new(wire, PIN))?;
                     }
                 }
                 Event::Schedule(entry) => {
@@ -164,8 +164,8 @@ impl<W: Write> Vcd<W> {
 
     fn ticks(&mut self, t_ns: u64, wire: usize, on: u16, off: u16) -> io::Result<()> {
         self.time(t_ns)?;
-        writeln!(self.out, "b{on:b} {}", Code::of(wire, ON))?;
-        writeln!(self.out, "b{off:b} {}", Code::of(wire, OFF))
+        writeln!(self.out, "b{on:b} {}", Code::new(wire, ON))?;
+        writeln!(self.out, "b{off:b} {}", Code::new(wire, OFF))
     }
 
     fn celsius(&mut self, now: &event::Temperature, kind: usize) -> io::Result<()> {
@@ -174,7 +174,7 @@ impl<W: Write> Vcd<W> {
             return Ok(());
         }
         self.time(now.t_us.saturating_mul(1000))?;
-        let id = Code::of(wire, kind);
+        let id = Code::new(wire, kind);
         writeln!(self.out, "r{} {id}", milli(now.milli_c.into()))
     }
 
@@ -191,7 +191,7 @@ impl<W: Write> Vcd<W> {
 struct Code(usize);
 
 impl Code {
-    const fn of(wire: usize, kind: usize) -> Self {
+    const fn new(wire: usize, kind: usize) -> Self {
         Self(wire * KINDS + kind)
     }
 }

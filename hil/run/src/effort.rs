@@ -180,7 +180,7 @@ impl Effort {
     }
 
     /// Effort of a run from its frames' costs and its driver's traffic.
-    pub fn of(costs: &[FrameCost], traffic: Traffic) -> Self {
+    pub fn new(costs: &[FrameCost], traffic: Traffic) -> Self {
         let mut effort = Self {
             traffic,
             ..Self::default()

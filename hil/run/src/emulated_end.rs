@@ -69,7 +69,7 @@ impl EmulatedEnd for EmulatedDisplay {
         summary.unit = self.unit();
         summary.heat = self.heat();
         let felt = &mut summary.felt;
-        felt.asked = AskedLevel::of(&setup.scene.value, projector);
+        felt.asked = AskedLevel::find(&setup.scene.value, projector);
         if felt.level_db.is_some_and(|l| l.median < 0.0) {
             let missing = -plan::strongest(setup, projector)?;
             felt.missing_db = Some(missing).filter(|db| *db > 0.0);
@@ -83,7 +83,7 @@ impl EmulatedEnd for EmulatedDisplay {
         felt.states = self.states(summary.path_error_mm.is_some());
         felt.state = Some(pass::state_of(setup));
         let martensite = self.hardware().martensite();
-        Ok(PassEnd::of(projector, length, martensite))
+        Ok(PassEnd::find(projector, length, martensite))
     }
 }
 

@@ -51,7 +51,7 @@ impl FullDrive {
     }
 
     /// A unit of this felt energy, um2 s, of a stimulus of the loop's length.
-    pub(super) fn of(energy: f64, projector: &Projector) -> Self {
+    pub(super) fn with_energy(energy: f64, projector: &Projector) -> Self {
         let period_ns = projector.guard().prescale().period_ns();
         let length_ns = projector.timing().duration.as_micros() * 1000;
         Self {

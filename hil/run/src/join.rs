@@ -238,7 +238,7 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     let sessions = each().filter_map(|s| s.longest_session_s);
     sum.longest_session_s = sessions.reduce(f64::min);
     sum.margins.clone_from(&ledger.margins);
-    sum.frame_us = FrameTime::of(parts.iter().flat_map(|p| &p.outcome.frame_us).copied());
+    sum.frame_us = FrameTime::summarise(parts.iter().flat_map(|p| &p.outcome.frame_us).copied());
     sum.boards = each().flat_map(|s| s.boards.clone()).collect();
     sum.boards.sort_unstable_by_key(|b| b.module);
     sum.taxels = Taxels::joined(

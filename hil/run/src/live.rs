@@ -43,7 +43,7 @@ impl EmulatedSession {
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
         let (setup, _) = passed(setup, seed)?;
         let setup = &*setup;
-        let truth = Truth::of(setup);
+        let truth = Truth::of_scene(setup);
         let skin = skin::scene(setup, seed, None)?;
         Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
     }

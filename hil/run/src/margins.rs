@@ -39,9 +39,9 @@ type Worst = [f64; 7];
 
 fn worst_of(flows: &[Flow], wires: usize) -> Worst {
     let each: Vec<Energy> = (0..wires)
-        .map(|w| Energy::of(flows, |f| f.wire == w))
+        .map(|w| Energy::new(flows, |f| f.wire == w))
         .collect();
-    let finger = Energy::of(flows, |_| true);
+    let finger = Energy::new(flows, |_| true);
     let worst = |seconds: f64| {
         let means = each.iter().map(|e| e.worst_mean_mw(seconds));
         means.fold(0.0, f64::max)
@@ -185,7 +185,7 @@ pub fn exceeded(guard: &Guard) -> Vec<Margin> {
 struct Energy(Vec<(Nanos, f64)>);
 
 impl Energy {
-    fn of(flows: &[Flow], wanted: impl Fn(&Flow) -> bool) -> Self {
+    fn new(flows: &[Flow], wanted: impl Fn(&Flow) -> bool) -> Self {
         let mut changes: Vec<(Nanos, f64)> = flows
             .iter()
             .filter(|f| wanted(f))

@@ -15,13 +15,13 @@ fn flow(wire: usize, from_ms: u64, to_ms: u64, watts: f64) -> Flow {
 fn the_worst_window_is_found_wherever_it_lies() {
     // 100 ms at 1 W, twice, half a second apart: any second that holds both has 200 mW.
     let flows = [flow(0, 3000, 3100, 1.0), flow(0, 3600, 3700, 1.0)];
-    let energy = Energy::of(&flows, |_| true);
+    let energy = Energy::new(&flows, |_| true);
     assert!((energy.worst_mean_mw(1.0) - 200.0).abs() < 1e-9);
     // A window of 0.65 s holds one of them and half the other.
     assert!((energy.worst_mean_mw(0.65) - 150.0 / 0.65).abs() < 1e-9);
     // A run shorter than the window: the rest was nothing.
     assert!((energy.worst_mean_mw(10.0) - 20.0).abs() < 1e-9);
-    assert!(Energy::of(&[], |_| true).worst_mean_mw(1.0).abs() < 1e-12);
+    assert!(Energy::new(&[], |_| true).worst_mean_mw(1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -129,7 +129,7 @@ impl EmulatedMotors {
             i2c,
             driver: driver.map_err(|e| bad(e.to_string()))?,
             // A driver that does not start here does not start in the run either, which says so.
-            full: FullDrive::of(
+            full: FullDrive::with_energy(
                 full_energy(setup, haptics, projector).unwrap_or(0.0),
                 projector,
             ),

@@ -49,7 +49,7 @@ impl Place {
         }
     }
 
-    fn of(finger: &Finger, bench: &Bench) -> Self {
+    fn new(finger: &Finger, bench: &Bench) -> Self {
         let all: BTreeSet<(u8, u8)> = bench.outputs.iter().map(|o| (o.bus, o.board)).collect();
         let outputs = &bench.outputs[finger.wires.clone()];
         let own: BTreeSet<(u8, u8)> = outputs.iter().map(|o| (o.bus, o.board)).collect();
@@ -154,7 +154,7 @@ impl Place {
 /// voltage that is left while a wire of every other board is on. Of its hand's power it has an equal share. Faults of boards and their buses are no finger's.
 pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
     let bench = &setup.bench.value;
-    let places: Vec<Place> = setup.fingers.iter().map(|f| Place::of(f, bench)).collect();
+    let places: Vec<Place> = setup.fingers.iter().map(|f| Place::new(f, bench)).collect();
     // A texture takes the boards' own frequency, and boards that share have one.
     let any_textured = setup.fingers.iter().any(|f| f.texture.is_some());
     let alone = |(index, (finger, place)): (usize, (&Finger, &Place))| {

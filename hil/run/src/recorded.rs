@@ -170,7 +170,7 @@ impl Recorded {
             setup.scene.value.touches.clear();
             setup.scene.value.name = fact("scene").to_owned();
         }
-        let source = Source::of(fact("source")).unwrap_or(Source::Real);
+        let source = Source::named(fact("source")).unwrap_or(Source::Real);
         let mut place = None;
         if !setup.fingers.is_empty() {
             let of_bench = |(_, alone): &(Place, Setup)| alone.bench.value.name == fact("bench");

@@ -50,7 +50,7 @@ pub enum Truth {
 
 impl Truth {
     /// Truth of a setup's scene: the driving module's touches, or where the skin is one, all of them.
-    pub fn of(setup: &Setup) -> Self {
+    pub fn of_scene(setup: &Setup) -> Self {
         let scene = &setup.scene.value;
         match scene.compression.scope {
             Scope::Skin => Self::on(setup, true, |_| true),
@@ -68,7 +68,7 @@ impl Truth {
             false => (number == scene.drives).then_some([0.0; 2]),
         });
         let drives = drives.collect();
-        match Self::of(setup) {
+        match Self::of_scene(setup) {
             Self::Scene(touches) => Self::Played(touches, fingers.clone(), drives),
             other => other,
         }

@@ -147,7 +147,7 @@ struct Share {
 }
 
 impl Share {
-    fn of((number, module): (u16, &Module)) -> Self {
+    fn new((number, module): (u16, &Module)) -> Self {
         let taxels = 0..module.active().len();
         Self {
             module: number,
@@ -242,7 +242,7 @@ impl<'a> Rows<'a> {
         }
         let axes = usize::from(file.axes);
         let recording = |(source, module): (&'a Arc<dyn RowSource>, (u16, &Module))| {
-            let share = Share::of(module);
+            let share = Share::new(module);
             let columns = share.read.len() * axes;
             let right = match source.columns() {
                 found if found == columns => source.check(),
@@ -275,7 +275,7 @@ impl<'a> Rows<'a> {
         layout: &Layout,
     ) -> Result<Self, Failure> {
         let axes = usize::from(file.axes);
-        let modules: Vec<Share> = (0..).zip(layout.modules()).map(Share::of).collect();
+        let modules: Vec<Share> = (0..).zip(layout.modules()).map(Share::new).collect();
         let columns = axes * modules.iter().map(|m| m.read.len()).sum::<usize>();
         if source.columns() != columns {
             return Err(Failure::Input(format!(

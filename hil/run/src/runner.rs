@@ -145,7 +145,7 @@ impl Run<'_> {
         if skin::is_array(setup) {
             let skin = || skin::scene(setup, self.seed, None);
             let levels = self.calibrate(&mut skin()?, end, host)?;
-            return self.count(levels, &mut skin()?, Truth::of(setup), end, host);
+            return self.count(levels, &mut skin()?, Truth::of_scene(setup), end, host);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
@@ -157,7 +157,7 @@ impl Run<'_> {
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
             let mut skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
             let played = &mut skin;
-            let outcome = self.count(levels.clone(), played, Truth::of(setup), end, host)?;
+            let outcome = self.count(levels.clone(), played, Truth::of_scene(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
             }
@@ -165,7 +165,7 @@ impl Run<'_> {
         let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
         let mut skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
         let skin = &mut skin;
-        self.count(levels, skin, Truth::of(setup), end, host)
+        self.count(levels, skin, Truth::of_scene(setup), end, host)
     }
 
     /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.

@@ -285,7 +285,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     let (skin, recorder) = session.seen();
     let projector = session.projector();
     let mut summary = Summary::new(&trace, (recorder, &felt), costs, &health, bench);
-    summary.texture = TextureSummary::of(recorder, projector);
+    summary.texture = TextureSummary::summarise(recorder, projector);
     summary.longest_session_s = recorder.longest_session_s(projector.guard(), end);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end, skin.foreign());
@@ -347,7 +347,7 @@ impl Summary {
             },
             pass: None,
             no_pass: None,
-            felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
+            felt: FeltSummary::new((&trace.header, felt), [&by_energy, &by_amplitude]),
             felt_error_mm: by_energy,
             felt_error_amplitude_mm: by_amplitude,
             requested_energy_db: requested,
@@ -361,7 +361,7 @@ impl Summary {
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
             limiter_events: ledger.driven.limiter_events,
             texture: None,
-            frame_us: FrameTime::of(costs.iter().map(|c| c.us)),
+            frame_us: FrameTime::summarise(costs.iter().map(|c| c.us)),
             taxels: Taxels {
                 refresh_hz: (recorder.frames > 0).then_some(Refresh {
                     median: f64::from(health.refresh_median_hz),

@@ -73,7 +73,7 @@ pub struct AskedLevel {
 impl AskedLevel {
     /// Asked level of a run that is over; `None` where the scene asks for none.
     #[must_use]
-    pub fn of(scene: &Scene, projector: &Projector) -> Option<Self> {
+    pub fn find(scene: &Scene, projector: &Projector) -> Option<Self> {
         let (level_db, renderer) = scene.illusion.level_db.zip(projector.renderer())?;
         let (reached, borne) = (renderer.reached(), renderer.borne());
         let of = |part: f32| level_db + plan::decibels(part.min(1.0));
@@ -149,7 +149,7 @@ impl From<Errors> for CountedError {
 
 impl FeltSummary {
     /// Headline of a run from its errors by both centroids.
-    pub(crate) fn of(
+    pub(crate) fn new(
         (header, path): (&Header, &FeltPath),
         [energy, amplitude]: [&FeltError; 2],
     ) -> Self {

@@ -30,7 +30,7 @@ pub struct TextureSummary {
 
 impl TextureSummary {
     /// Summary of the windows that a recorder saw; `None` for no window.
-    pub(crate) fn of(recorder: &Recorder, projector: &Projector) -> Option<Self> {
+    pub(crate) fn summarise(recorder: &Recorder, projector: &Projector) -> Option<Self> {
         let (windows, rough_permille) = recorder.windows;
         (windows > 0).then(|| Self {
             windows,

@@ -128,7 +128,7 @@ impl EmulatedDisplay {
                 false => writer.sharing(&place.channels),
             }
         };
-        let heat = EmulatedHeat::of(setup);
+        let heat = EmulatedHeat::find(setup);
         let lines = (i2c.clone(), display.bus());
         let module = heat.as_ref().and_then(EmulatedHeat::lent);
         let driver = EmulatedDriver::new(bench, projector, lines, (&place, module), seed)?;

@@ -242,7 +242,7 @@ pub fn compare(
                 from_ns: start,
                 to_ns: start + length,
             });
-            coverage = Coverage::of(&plan, &tallies, driven, taken);
+            coverage = Coverage::new(&plan, &tallies, driven, taken);
             if let Some(start) = start {
                 let unrecorded = capture.unrecorded.iter().map(|(from, to)| Span {
                     from_ns: start + *from as f64,

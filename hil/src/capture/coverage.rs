@@ -45,7 +45,7 @@ pub(super) fn driven(plan: &Plan, window: Span) -> Option<Span> {
 
 impl Coverage {
     /// Counts the coverage. `capture` is when it was taken, on the run's clock; `None` if nothing tells.
-    pub(super) fn of(
+    pub(super) fn new(
         plan: &Plan,
         tallies: &BTreeMap<Output, Tally>,
         driven: Span,

@@ -13,7 +13,7 @@ struct Decimal {
 }
 
 impl Decimal {
-    fn of(text: &str) -> Option<Self> {
+    fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         let (sign, digits) = match text.strip_prefix('-') {
             Some(digits) => (-1, digits),
@@ -63,7 +63,11 @@ fn written(steps: i128, places: u32) -> String {
 fn range(text: &str) -> Result<Option<Vec<String>>, String> {
     let parts = text.split_once("..").and_then(|(from, rest)| {
         let (to, step) = rest.split_once(':').unwrap_or((rest, "1"));
-        Some((Decimal::of(from)?, Decimal::of(to)?, Decimal::of(step)?))
+        Some((
+            Decimal::parse(from)?,
+            Decimal::parse(to)?,
+            Decimal::parse(step)?,
+        ))
     });
     let Some((from, to, step)) = parts else {
         return Ok(None);

@@ -42,7 +42,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     // The scene drives one display, which it would say of itself.
     plan::one_display(&bench)?;
     let setup = Setup::join(load_scene(SCENE)?, bench)?.with(&overrides)?;
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.out {
         outputs.check(path, Format::Toml)?;
     }
@@ -109,7 +109,7 @@ fn enough(args: &CalibrateArgs, calibration: &Calibration) -> Result<Posterior, 
         // In the order of their numbers: sums do not depend on the number of cores.
         fresh.sort_by_key(|(number, _)| *number);
         drawn.extend(fresh.into_iter().map(|(_, drawn)| drawn));
-        let posterior = Posterior::of(&drawn);
+        let posterior = Posterior::new(&drawn);
         if posterior.effective >= ENOUGH || wanted >= most {
             return Ok(posterior);
         }

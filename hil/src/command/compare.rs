@@ -28,7 +28,7 @@ const SUMMARY: &str = "summary.json";
 /// # Errors
 /// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a figure differs or runs lack.
 pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
     }
@@ -148,7 +148,7 @@ fn read(path: &Path) -> Result<Kept, FileError> {
     if RunTable::is_one(text) {
         return table(path).map(Kept::Table);
     }
-    match Format::of(text.as_bytes()) {
+    match Format::recognise(text.as_bytes()) {
         Some(Format::Json) => {}
         found => {
             return Err(FileError::whole(

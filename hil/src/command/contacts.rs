@@ -55,7 +55,7 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         };
         outputs.check_table(table)?;
     }
-    let recording = Recording::of(args)?;
+    let recording = Recording::open(args)?;
     let (mut held, mut intensities) = (Vec::new(), Intensities::default());
     let mut count = 0;
     let notes = recording.compress(&mut |row| {
@@ -180,8 +180,8 @@ struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    fn of(args: &'a ContactsArgs) -> Result<Self, Failure> {
-        let recorded = Recorded::of(args.recipe.as_deref(), &args.file)?;
+    fn open(args: &'a ContactsArgs) -> Result<Self, Failure> {
+        let recorded = Recorded::find(args.recipe.as_deref(), &args.file)?;
         if let (Some(note_of), false) = (recorded.note(), args.quiet) {
             note(&note_of);
         }

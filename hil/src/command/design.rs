@@ -46,7 +46,7 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
     if let Some(bench) = &args.response {
         return design_response::response(args, bench, color);
     }
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.out {
         outputs.check_csv(path, DESIGNS)?;
     }

@@ -35,7 +35,7 @@ struct Response {
 /// # Errors
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn response(args: &DesignArgs, bench: &str, color: Color) -> Result<(), Failure> {
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.out {
         outputs.check_csv(path, RESPONSES)?;
     }

@@ -164,7 +164,7 @@ pub fn enough_adapters(bench: &Bench) -> Result<(), Failure> {
 /// # Errors
 /// A bad bench, address or key file.
 pub(super) fn unit_of(name: Option<&str>, on: &UnitOn) -> Result<Option<UnitPlace>, Failure> {
-    UnitPlace::of(&bench_of(name, on)?)
+    UnitPlace::find(&bench_of(name, on)?)
 }
 
 /// The bench that a command names, with the driver unit that it names.

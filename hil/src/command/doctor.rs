@@ -171,7 +171,7 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
             ..finding("unit host", false, "another host drives it".into(), None)
         });
     }
-    if let Some(held) = Latch::of(&place.hardware()).look() {
+    if let Some(held) = Latch::new(&place.hardware()).look() {
         let says = format!("a run on it was stopped: {}", held.cause);
         let remedy = format!("hil off --unlatch --unit {} --key FILE", place.name);
         found.push(finding("unit stop", false, says, Some(remedy)));

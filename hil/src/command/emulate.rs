@@ -24,7 +24,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
             await_start: args.await_start,
             oe: args.oe,
             seed: args.seed,
-            telling: Telling::of(args.json, args.quiet),
+            telling: Telling::new(args.json, args.quiet),
         },
     )
 }

@@ -24,7 +24,7 @@ pub fn export(kind: &ExportKind) -> Result<(), Failure> {
 }
 
 fn export_views(args: &ExportViews) -> Result<(), Failure> {
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     let named = |name: &str| {
         let json = name.ends_with(".json");
         let format = if json { Format::Json } else { Format::Xml };
@@ -60,7 +60,7 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     let setup = Setup::join(scene, bench)?;
     let sensor = &setup.sensor.value;
     let paths = paths(&args.out, sensor.modules.len());
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     for path in &paths {
         outputs.check_csv(path, "time_us,txl1_")?;
     }

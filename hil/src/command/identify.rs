@@ -25,7 +25,7 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         SignalArg::Displacement => (Signal::Displacement, "displacement_um", "um"),
         SignalArg::Resistance => (Signal::Resistance, "resistance_ohm", "Ohm"),
     };
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.out {
         outputs.check(path, Format::Toml)?;
     }

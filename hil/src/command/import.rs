@@ -59,7 +59,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
         topic: recipe.value.topic.clone(),
         ..Timing::default()
     };
-    let survey = Survey::of(args, &plan, &timing, &sensor)?;
+    let survey = Survey::new(args, &plan, &timing, &sensor)?;
     print(|out| {
         tell(&proposal, &survey, out)?;
         pictures(&survey, &sensor, out)
@@ -136,7 +136,7 @@ struct Rest {
 }
 
 impl Survey {
-    fn of(
+    fn new(
         args: &ImportArgs,
         plan: &RecipePlan,
         timing: &Timing,
@@ -144,7 +144,7 @@ impl Survey {
     ) -> Result<Self, Failure> {
         let axes = usize::from(sensor.axes);
         let open = || Rows::open(&args.file, Take::Recipe(plan), Some(timing));
-        let rest = Rest::of(&mut open()?, axes)?;
+        let rest = Rest::read(&mut open()?, axes)?;
         let mut survey = Self {
             notes: Vec::new(),
             rows: 0,
@@ -187,7 +187,7 @@ impl Survey {
 }
 
 impl Rest {
-    fn of<R: io::Read>(rows: &mut Rows<R>, axes: usize) -> Result<Self, Failure> {
+    fn read<R: io::Read>(rows: &mut Rows<R>, axes: usize) -> Result<Self, Failure> {
         let (mut first, mut row): (Vec<Vec<u16>>, Vec<u16>) = (Vec::new(), Vec::new());
         while first.len() < FIRST && rows.advance(&mut row)?.is_some() {
             first.push(row.clone());
@@ -316,7 +316,7 @@ fn pictures(survey: &Survey, sensor: &SensorLayout, out: &mut dyn Write) -> io::
         parts.len()
     )?;
     for (most, name, own, points) in &parts {
-        let picture = Picture::of(points);
+        let picture = Picture::new(points);
         writeln!(out, "  {name}: `@` is {most:.0} counts from rest")?;
         for line in picture.lines(&survey.largest[own.clone()], *most) {
             writeln!(out, "    {line}")?;
@@ -331,7 +331,7 @@ fn pictures(survey: &Survey, sensor: &SensorLayout, out: &mut dyn Write) -> io::
         .iter()
         .map(|(t, change)| (*t, &change[own.clone()]))
         .collect();
-    strip(&Picture::of(points), &frames, *most)
+    strip(&Picture::new(points), &frames, *most)
         .iter()
         .try_for_each(|line| writeln!(out, "  {line}"))
 }

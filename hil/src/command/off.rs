@@ -33,7 +33,7 @@ const LOOK: palpate_core::units::Duration = palpate_core::units::Duration::from_
 /// [`Failure::Input`] for a bench that is not real, [`Failure::Device`] when not everything is off.
 pub fn off(args: &OffArgs) -> Result<(), Failure> {
     let of_unit = bench_of(args.bench.as_deref(), &args.unit)?;
-    if let Some(place) = UnitPlace::of(&of_unit)? {
+    if let Some(place) = UnitPlace::find(&of_unit)? {
         off_unit(&place, args.unlatch)?;
         return forget_heat(args, &place.name, &of_unit);
     }
@@ -83,7 +83,7 @@ fn tell_stop(
     is_off: bool,
     lines: &mut Vec<String>,
 ) -> Result<(), Failure> {
-    let latch = Latch::of(hardware);
+    let latch = Latch::new(hardware);
     // What a dead run left armed is a stop too; while one lives it is not.
     let held = lock.map_or_else(|| latch.read(), |lock| latch.read_locked(lock));
     let Some(held) = held else {

@@ -45,7 +45,7 @@ pub fn pulse(args: &PulseArgs) -> Result<(), Failure> {
         hear(&plan)?;
     }
     let outcome = run(&setup)?;
-    let sent = Sent::of(&outcome);
+    let sent = Sent::new(&outcome);
     let lines = told(&plan, &judged, &sent, &outcome);
     if args.voice.json {
         print_json(&object(&plan, &judged, &sent, &outcome, &lines.join(". ")))?;
@@ -116,7 +116,7 @@ struct Sent {
 }
 
 impl Sent {
-    fn of(outcome: &Outcome) -> Self {
+    fn new(outcome: &Outcome) -> Self {
         let entries = || outcome.trace.each::<Entry>().filter(|e| e.off > e.on);
         let entry = entries().next().copied();
         let is_off = outcome.failure.is_none();

@@ -24,7 +24,7 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
         ))),
     };
     let files: Vec<_> = args.files.iter().map(format).collect::<Result<_, _>>()?;
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     for (format, path) in &files {
         outputs.check(path, *format)?;
     }

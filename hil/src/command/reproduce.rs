@@ -21,7 +21,7 @@ use crate::reproduce::{Answer, Mark, Row, rows};
 /// [`Failure`] for a row that there is not, and outputs that cannot be written.
 pub fn reproduce(args: &ReproduceArgs) -> Result<(), Failure> {
     let chosen = chosen(&args.rows)?;
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
     }

@@ -42,7 +42,7 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
             drop(shown);
             if let Some(path) = &args.html {
                 let text = page(&all);
-                let outputs = Outputs::of(args.force);
+                let outputs = Outputs::new(args.force);
                 outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
                 return print(|out| {
                     writeln!(out, "wrote {}: {}", path.display(), count(all.len()))
@@ -109,7 +109,7 @@ enum Answer {
 
 impl Answer {
     /// `a`, `a because the burst is longer`, `r`, `s`, `c`, `q`, or the words themselves.
-    fn of(line: &str) -> Self {
+    fn parse(line: &str) -> Self {
         let (word, rest) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
         let why = (!rest.trim().is_empty()).then(|| rest.trim().to_owned());
         match (word, why) {
@@ -140,7 +140,7 @@ fn ask(all: &[Scene], coloured: bool) -> Result<(), Failure> {
                 out.write_all(keys.as_bytes())
             })?;
             let answer = match answers.next() {
-                Some(Ok(line)) => Answer::of(&line),
+                Some(Ok(line)) => Answer::parse(&line),
                 Some(Err(_)) | None => Answer::Quit,
             };
             let (word, result) = match answer {
@@ -217,7 +217,7 @@ fn show(
         }
         let chart = [GoldenKind::Schedule, GoldenKind::Contacts]
             .into_iter()
-            .find_map(|kind| scene.of(kind));
+            .find_map(|kind| scene.golden(kind));
         if let Some((old, new)) = chart {
             let lines = stacked(old, new, most);
             if !lines.is_empty() {

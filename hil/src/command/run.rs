@@ -96,7 +96,7 @@ fn by_recipe(args: &RunArgs) -> Result<RunArgs, Failure> {
             None => Ok(args),
         };
     };
-    let recorded = Recorded::of(args.recipe.as_deref(), file)?;
+    let recorded = Recorded::find(args.recipe.as_deref(), file)?;
     if let (Some(text), false) = (recorded.note(), args.voice.quiet) {
         note(&text);
     }
@@ -211,7 +211,7 @@ fn played(
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
     let recipe = match (&args.recipe, args.replay.as_slice()) {
-        (Some(recipe), [file]) => Recorded::of(Some(recipe), file)?.plan(sensor)?,
+        (Some(recipe), [file]) => Recorded::find(Some(recipe), file)?.plan(sensor)?,
         _ => None,
     };
     let reading = Reading {
@@ -273,7 +273,7 @@ fn write(
         return Ok(None);
     };
     let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
-    let trial = Trial::of(&setup.scene.value.name, tried, took);
+    let trial = Trial::new(&setup.scene.value.name, tried, took);
     let failed = match &trial.end {
         TrialEnd::Failed(wrong) => Some(Failure::Check(wrong.why.join("; "))),
         _ => None,

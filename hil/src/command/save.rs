@@ -18,7 +18,7 @@ pub fn save(path: &Path, setup: &Setup, outcome: &Outcome, force: bool) -> Resul
         Some(whole @ (Format::Html | Format::Json)) => whole,
         _ => format_of_record(path)?,
     };
-    let outputs = Outputs::of(force);
+    let outputs = Outputs::new(force);
     check(outputs, (format, path), setup)?;
     write(format, path, setup, outcome)
 }

@@ -16,7 +16,7 @@ pub(super) struct Picture {
 
 impl Picture {
     /// Cells for places in millimetres, x right and y up: one per distinct coordinate, as far as there is room.
-    pub(super) fn of(points: &[[f64; 2]]) -> Self {
+    pub(super) fn new(points: &[[f64; 2]]) -> Self {
         let along = |axis: usize, sign: f64| {
             let um = |p: &[f64; 2]| (p[axis] * sign * 1e3).round() as i64;
             let mut distinct: Vec<i64> = points.iter().map(um).collect();
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn a_module_is_shown_with_its_top_left_first() {
         let points = [[-1.0, 1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
-        let picture = Picture::of(&points);
+        let picture = Picture::new(&points);
         assert_eq!(picture.lines(&[0.0, 9.0, 5.0, 0.0], 9.0), [". @", "* ."]);
         assert_eq!(picture.lines(&[0.0; 4], 0.0), [". .", ". ."]);
         let frames: Vec<(u64, &[f64])> = vec![(0, &[0.0; 4]), (250_000, &[9.0; 4])];
@@ -98,7 +98,7 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..2000)
             .map(|n| [f64::from(n % 100), f64::from(n / 100)])
             .collect();
-        let picture = Picture::of(&points);
+        let picture = Picture::new(&points);
         let values = vec![1.0; 2000];
         let frames: Vec<(u64, &[f64])> = (0..40).map(|n| (n * 1000, values.as_slice())).collect();
         let lines = strip(&picture, &frames, 1.0);

@@ -201,7 +201,7 @@ fn resume(
     {
         let trial = Played {
             intervals: open,
-            ..Played::of(trial)
+            ..Played::new(trial)
         };
         let reply = Reply::Void("the program ended".into());
         let taken = session.take(&reply);

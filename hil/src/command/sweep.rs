@@ -34,7 +34,7 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
         .map(|text| axis(text))
         .collect::<Result<_, _>>()?;
     let grid = Grid::new(axes, args.seeds.0.clone())?;
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     Growing::check(&args.out, outputs)?;
     if let Some(path) = &args.html {
         outputs.check(path, Format::Html)?;
@@ -178,7 +178,7 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
     let conclusion = conclusion(&rows, wanted, caught);
     if let Some(path) = &args.html {
         let text = page(&conclusion, &rows);
-        let outputs = Outputs::of(args.force);
+        let outputs = Outputs::new(args.force);
         outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
     }
     let names = work.names();

@@ -102,7 +102,7 @@ fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, S
 
 /// Permission of the files of results to replace others.
 const fn outputs(args: &TestArgs) -> Outputs<'static> {
-    Outputs::of(args.force)
+    Outputs::new(args.force)
 }
 
 /// The files of results that are wanted.
@@ -252,7 +252,7 @@ const fn kind(bench: &Loaded<Bench>) -> &'static str {
 /// The goldens of a scene that is a file, on a bench.
 pub(super) fn goldens_of(member: &Member, bench: &Loaded<Bench>) -> Option<Goldens> {
     let file = member.file.as_deref();
-    file.map(|file| Goldens::of(file, &bench.value.name))
+    file.map(|file| Goldens::new(file, &bench.value.name))
 }
 
 /// End of the trial of a scene that is not tried on a bench; none where it is tried.

@@ -99,7 +99,7 @@ fn by_recipe(args: &EncodeArgs) -> Result<(EncodeArgs, Option<RecipePlan>), Fail
     if args.columns.is_some() {
         return Ok((args, None));
     }
-    let recorded = Recorded::of(args.recipe.as_deref(), &args.file)?;
+    let recorded = Recorded::find(args.recipe.as_deref(), &args.file)?;
     recorded.note().iter().for_each(|text| note(text));
     args.time = args.time.or_else(|| recorded.time(args.rate));
     if args.time.is_none() {
@@ -310,7 +310,7 @@ fn write_json(
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let bytes = onnx::encoder(&model);
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     outputs.write(&args.out, Format::Onnx, |out| out.write_all(&bytes))?;
     note(&format!(
         "{}: input `raw` [{}, N, {}], output `latent` [N, {}]",

@@ -34,7 +34,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         overrides.scene("--level", "illusion.level_db", level_db);
     }
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     if let Some(path) = &args.svg {
         outputs.check(path, Format::Svg)?;
     }
@@ -130,7 +130,7 @@ fn sensation(felt: &Sensation) -> Value {
 /// A texture's ratings and what was felt of it on the display.
 fn of_texture(rated: &Rated, tests: Vec<Test>) -> Value {
     let mut ratings = Map::new();
-    let mut add = |name: String, all: &[u8]| ratings.insert(name, json!(Box5::of(all)));
+    let mut add = |name: String, all: &[u8]| ratings.insert(name, json!(Box5::new(all)));
     for (d, all) in rated.bare.iter().flat_map(|b| Dimension::ALL.iter().zip(b)) {
         add(format!("bare {}", d.name()), all);
     }
@@ -188,7 +188,7 @@ fn number(value: f64) -> String {
 }
 
 fn median(ratings: Option<&[u8]>) -> String {
-    let found = ratings.and_then(Box5::of);
+    let found = ratings.and_then(Box5::new);
     found.map_or("-".into(), |found| number(found.median))
 }
 

@@ -26,7 +26,7 @@ pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
         )));
     }
     let materials = world::draw(count, args.seed);
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     outputs.write(&args.out, Format::Toml, |out| {
         world::write_table(&materials, (unseen, args.seed), out)
     })?;

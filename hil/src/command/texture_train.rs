@@ -40,7 +40,7 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     if args.accelerometer {
         make_folder(&shaken)?;
     }
-    let outputs = Outputs::of(args.force);
+    let outputs = Outputs::new(args.force);
     for (entry, recording) in &all {
         let name = format!("{}_{:02}.csv", entry.name, recording.number);
         let path = args.out.join(&name);
@@ -116,11 +116,11 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let shown = Progress::of_part("latent vectors");
     let encoded = explore::encode(&model, &strokes, |part| shown.part(part))?;
     drop(shown);
-    let view = map::View::of(&model);
+    let view = map::View::new(&model);
     let placed = map::place(&encoded, &model, view);
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
-        let outputs = Outputs::of(args.force);
+        let outputs = Outputs::new(args.force);
         outputs.write(path, Format::Svg, |out| {
             out.write_all(draw::draw(&placed, view, &title).as_bytes())
         })?;

@@ -41,7 +41,7 @@ pub fn unit(args: &UnitArgs) -> Result<(), Failure> {
         &Options {
             listen: args.at,
             key,
-            telling: Telling::of(args.json, args.quiet),
+            telling: Telling::new(args.json, args.quiet),
         },
     )
 }

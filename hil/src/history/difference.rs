@@ -114,7 +114,7 @@ pub struct Named {
 
 impl Named {
     /// Difference of two results; none where neither has a value.
-    pub fn of(measured: &Measured, of: [&Values; 2], tolerance: Tolerance) -> Option<Self> {
+    pub fn compare(measured: &Measured, of: [&Values; 2], tolerance: Tolerance) -> Option<Self> {
         let [a, b] = of.map(|values| values.get(measured.key).copied());
         let differs = match (a, b) {
             (None, None) => return None,

@@ -90,7 +90,7 @@ fn named(a: &Value, b: &Value, tolerance: Tolerance) -> Vec<Named> {
     let of = [&values(a), &values(b)];
     let weighty = by_weight().take(WEIGHTIEST.len());
     weighty
-        .filter_map(|measured| Named::of(measured, of, tolerance))
+        .filter_map(|measured| Named::compare(measured, of, tolerance))
         .collect()
 }
 

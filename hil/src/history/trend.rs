@@ -100,7 +100,7 @@ fn search(
 /// A summary with the name of its series; none for other JSON.
 fn read(path: &Path) -> Result<Option<(String, Earlier)>, FileError> {
     let text = read_text(path, "a summary (JSON)", MOST)?;
-    if Format::of(text.as_bytes()) != Some(Format::Json) {
+    if Format::recognise(text.as_bytes()) != Some(Format::Json) {
         return Ok(None);
     }
     let text = text.trim_start_matches('\u{feff}');
@@ -170,7 +170,7 @@ impl Trend {
     /// A figure over the runs, oldest first.
     fn line(&self, figure: &str) -> Line {
         let spot =
-            |(n, run): (usize, &Earlier)| Spot::of((n + 1) as f64, &[*run.values.get(figure)?]);
+            |(n, run): (usize, &Earlier)| Spot::around((n + 1) as f64, &[*run.values.get(figure)?]);
         Line {
             name: self.name.clone(),
             spots: self.runs.iter().enumerate().filter_map(spot).collect(),

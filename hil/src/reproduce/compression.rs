@@ -108,7 +108,7 @@ fn seeds() -> Result<Answer, Failure> {
         }
     }
     Ok(Answer::new(
-        Mark::of(apart > pairs, || {
+        Mark::new(apart > pairs, || {
             "seeds are no further apart than any two taxels".into()
         }),
         format!(
@@ -130,7 +130,7 @@ fn means() -> Result<Answer, Failure> {
     let end = kmeans.solve(taxels.points(), stop);
     let found: Vec<(f32, f32)> = kmeans.centroids().collect();
     Ok(Answer::new(
-        Mark::of(end.converged, || "32 iterations are too few".into()),
+        Mark::new(end.converged, || "32 iterations are too few".into()),
         format!(
             "({:.2}, {:.2}) and ({:.2}, {:.2}) mm after {} iterations.",
             found[0].0, found[0].1, found[1].0, found[1].1, end.iterations

@@ -202,7 +202,7 @@ fn contacts() -> Result<Answer, Failure> {
     let words: Vec<String> = found.iter().map(|mm| format!("{mm:.2}")).collect();
     let most = found.iter().copied().fold(0.0, f64::max);
     Ok(Answer::new(
-        Mark::of(most <= 0.47, || {
+        Mark::new(most <= 0.47, || {
             format!(
                 "paths that keep to the edge are the worst: {} mm",
                 words.join(", ")
@@ -236,7 +236,7 @@ fn taxels() -> Result<Answer, Failure> {
         .collect();
     let most = found.iter().copied().max().unwrap_or(0);
     Ok(Answer::new(
-        Mark::of(most == 12, || {
+        Mark::new(most == 12, || {
             format!("the margin over (4.3), along: {}", told.join(", "))
         }),
         format!("At most {found:?} taxels along, across, diagonal, in a circle."),
@@ -295,7 +295,7 @@ fn breaks() -> Result<Answer, Failure> {
     let share = |[onsets, unfelt]: [u32; 2]| 100.0 * f64::from(unfelt) / f64::from(onsets.max(1));
     let [near, between] = counts.map(share);
     Ok(Answer::new(
-        Mark::of(between > near, || "breaks are as many near a wire".into()),
+        Mark::new(between > near, || "breaks are as many near a wire".into()),
         format!(
             "{between:.0} % of {} onsets between wires are not felt, {near:.0} % of {} near a wire.",
             counts[1][0], counts[0][0]

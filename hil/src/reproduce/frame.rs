@@ -132,7 +132,7 @@ fn frame() -> Result<Answer, Failure> {
     ];
     let same = found == [48, 15, 240, 720];
     Ok(Answer::new(
-        Mark::of(same, || "the layout `allegro` has other modules".into()),
+        Mark::new(same, || "the layout `allegro` has other modules".into()),
         format!(
             "{} readings a module; {} modules, {} taxels, {} readings.",
             found[0], found[1], found[2], found[3]
@@ -164,7 +164,7 @@ fn faulty() -> Result<Answer, Failure> {
     let found = faults(FAULTY)?;
     let beyond = faults(4.0)?;
     Ok(Answer::new(
-        Mark::of(found == [5], || "another rule finds faulty taxels".into()),
+        Mark::new(found == [5], || "another rule finds faulty taxels".into()),
         format!(
             "Taxels {found:?} at {FAULTY} deviations, {beyond:?} at 4: of 16 values none is further than sqrt(15) = 3.87 deviations."
         ),

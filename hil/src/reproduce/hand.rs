@@ -40,7 +40,7 @@ fn rate() -> Result<Answer, Failure> {
     let hz = rate_hz(&outcome);
     let taxels = outcome.summary.taxels.refresh_hz.map_or(0.0, |r| r.median);
     Ok(Answer::new(
-        Mark::of((25.0..=36.0).contains(&hz), || {
+        Mark::new((25.0..=36.0).contains(&hz), || {
             "the bus has room for more".into()
         }),
         format!(
@@ -77,7 +77,7 @@ fn contacts() -> Result<Answer, Failure> {
     let least = each.iter().map(|(_, span)| span.0).min().unwrap_or(0);
     let most = each.iter().map(|(_, span)| span.1).max().unwrap_or(0);
     Ok(Answer::new(
-        Mark::of(within == each.len(), || {
+        Mark::new(within == each.len(), || {
             format!(
                 "the grip, which the thesis does not print. The football by force of a module: {cause}"
             )

@@ -82,7 +82,7 @@ fn spacing() -> Result<Answer, Failure> {
     let [dx, dy] = file.spacing_mm;
     let same = least >= 9.0 && dx.max(dy).max(most) <= 14.0;
     Ok(Answer::new(
-        Mark::of(same, || "the layout has other places".into()),
+        Mark::new(same, || "the layout has other places".into()),
         format!(
             "Layout `thimble-8`: nearest wires {least} to {most} mm apart, columns {dx} and rows {dy} mm."
         ),
@@ -104,7 +104,7 @@ fn duty() -> Result<Answer, Failure> {
     let ticks = activations.map(|a| drive.width(a).get());
     let full = drive.width(1.0).duty();
     Ok(Answer::new(
-        Mark::of((full - 0.0244).abs() < 5e-5, || {
+        Mark::new((full - 0.0244).abs() < 5e-5, || {
             "full drive is another duty".into()
         }),
         format!(
@@ -155,7 +155,7 @@ fn law() -> Result<Answer, Failure> {
         .zip([0.0, 1.0, 0.0])
         .all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6);
     Ok(Answer::new(
-        Mark::of(same, || {
+        Mark::new(same, || {
             "a neighbour is active where a wire is touched".into()
         }),
         format!(
@@ -184,7 +184,7 @@ fn dip() -> Result<Answer, Failure> {
         each.join(", ")
     };
     Ok(Answer::new(
-        Mark::of(dips.iter().all(|db| *db < -3.0), || {
+        Mark::new(dips.iter().all(|db| *db < -3.0), || {
             "the law is flat".into()
         }),
         format!(
@@ -203,7 +203,7 @@ fn onset() -> Result<Answer, Failure> {
         .map_err(broken)?;
     let ms = timing.soa.as_micros() as f64 * 1e-3;
     Ok(Answer::new(
-        Mark::of((ms - 58.5).abs() < 1e-9, || "another law of onsets".into()),
+        Mark::new((ms - 58.5).abs() < 1e-9, || "another law of onsets".into()),
         format!("{ms} ms."),
         json!({ "tau_d_ms": 35.0, "soa_ms": ms }),
     ))
@@ -240,7 +240,7 @@ fn power() -> Result<Answer, Failure> {
     let milliwatts = 1e3 * amps * amps * ohm * duty;
     let follows = (0.180 / (1.9 * 0.0244_f64)).sqrt();
     Ok(Answer::new(
-        Mark::of((milliwatts - 180.0).abs() < 1.0, || {
+        Mark::new((milliwatts - 180.0).abs() < 1.0, || {
             "bench `thesis` has another drive".into()
         }),
         format!("{milliwatts:.1} mW at {amps} A through {ohm} Ohm; 180 mW ask for {follows:.3} A."),
@@ -259,7 +259,7 @@ fn frequency() -> Result<Answer, Failure> {
         .map(|(pre, hz)| format!("{pre} gives {hz:.2} Hz"))
         .collect();
     Ok(Answer::new(
-        Mark::of((chosen.hz() - 200.0).abs() < 0.005, || {
+        Mark::new((chosen.hz() - 200.0).abs() < 0.005, || {
             format!(
                 "the chip divides its clock by a whole number: {}",
                 told.join(", ")
@@ -285,7 +285,7 @@ fn resistance() -> Result<Answer, Failure> {
     let rest = |wire: &[f64; 4]| wire[2] * (1.0 - wire[3]);
     let same = first[..3] == [100.0, 5.0, 1.4] && last[..3] == [75.0, 5.0, 1.9];
     Ok(Answer::new(
-        Mark::of(same, || "the shipped wires have other figures".into()),
+        Mark::new(same, || "the shipped wires have other figures".into()),
         format!(
             "Both wires ship. Crimps and leads take {:.2} and {:.2} Ohm of them.",
             rest(&first),

@@ -111,7 +111,7 @@ fn trials(protocol: &str, task: TaskKind) -> Result<u64, Failure> {
 fn ratings() -> Result<Answer, Failure> {
     let each = trials("textures-by-hand", TaskKind::Rating)?;
     Ok(Answer::new(
-        Mark::of(each == 24, || "the protocol has other trials".into()),
+        Mark::new(each == 24, || "the protocol has other trials".into()),
         format!(
             "Protocol `textures-by-hand`: {each} trials for each participant, {} for four.",
             4 * each
@@ -123,7 +123,7 @@ fn ratings() -> Result<Answer, Failure> {
 fn drawings() -> Result<Answer, Failure> {
     let each = trials("felt-paths", TaskKind::Drawing)?;
     Ok(Answer::new(
-        Mark::of(2 * each == 40, || "the protocol has other trials".into()),
+        Mark::new(2 * each == 40, || "the protocol has other trials".into()),
         format!(
             "Protocol `felt-paths`: {each} trials for each participant, {} for two.",
             2 * each

@@ -39,7 +39,7 @@ impl Mark {
     }
 
     /// Agreement where `same` holds, else a difference with this cause.
-    pub(super) fn of(same: bool, cause: impl FnOnce() -> String) -> Self {
+    pub(super) fn new(same: bool, cause: impl FnOnce() -> String) -> Self {
         match same {
             true => Self::Agrees,
             false => Self::Differs(cause()),

@@ -62,7 +62,7 @@ fn rate() -> Result<Answer, Failure> {
     let hz = refresh.map_or(0.0, |r| r.median);
     let frames = rate_hz(&outcome);
     Ok(Answer::new(
-        Mark::of((95.0..=105.0).contains(&frames), || {
+        Mark::new((95.0..=105.0).contains(&frames), || {
             "the boards have another rate".into()
         }),
         format!("{frames:.1} frames per second; a taxel changes {hz:.1} times per second."),
@@ -132,7 +132,7 @@ fn path() -> Result<Answer, Failure> {
     let (inner, whole) = (rmse(&inside), rmse(&all));
     let even = 2.0 * EDGE_MM / 108.0;
     Ok(Answer::new(
-        Mark::of(inner <= 0.1 * f64::from(PITCH_MM), || {
+        Mark::new(inner <= 0.1 * f64::from(PITCH_MM), || {
             format!(
                 "threshold and edge pull the centroid: {inner:.2} mm between the inner taxels, {whole:.2} mm from edge to edge"
             )
@@ -156,7 +156,7 @@ fn rug() -> Result<Answer, Failure> {
     let levels = found.iter().map(|(_, level)| *level).max().unwrap_or(0);
     let counts = f64::from(weakest.0) * 1e-3;
     Ok(Answer::new(
-        Mark::of(weakest.1 == 1, || {
+        Mark::new(weakest.1 == 1, || {
             "the weakest contact has another level".into()
         }),
         format!(
@@ -262,7 +262,7 @@ fn cover() -> Result<Answer, Failure> {
     }
     let expected = CLUSTERS.map(|kc| kc.min(u32::from(count)) as usize);
     Ok(Answer::new(
-        Mark::of(found == expected, || "clusters are left out".into()),
+        Mark::new(found == expected, || "clusters are left out".into()),
         format!("{found:?} contacts for K_C of {CLUSTERS:?}, with {count} taxels in contact."),
         json!({ "clusters": CLUSTERS, "contacts": found, "taxels_in_contact": count }),
     ))

@@ -63,7 +63,7 @@ fn spacing() -> Result<Answer, Failure> {
     let gaps: Vec<f64> = along.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let same = gaps.len() == 2 && gaps.iter().all(|gap| (gap - 6.5).abs() < 1e-9);
     Ok(Answer::new(
-        Mark::of(same, || "the layout has other places".into()),
+        Mark::new(same, || "the layout has other places".into()),
         format!("Layout `three-in-line`: {gaps:?} mm."),
         json!({ "gaps_mm": gaps }),
     ))
@@ -103,7 +103,7 @@ fn parameters() -> Result<Answer, Failure> {
     let all = encoder + decoder;
     let told: Vec<String> = sizes.iter().map(|[i, u]| format!("{i}-{u}")).collect();
     Ok(Answer::new(
-        Mark::of(all == 299_106, || {
+        Mark::new(all == 299_106, || {
             format!("the model that ships has other layers: {}", told.join(", "))
         }),
         format!(
@@ -149,7 +149,7 @@ fn windows() -> Result<Answer, Failure> {
         }
     );
     Ok(Answer::new(
-        Mark::of(ours == PRINTED, || cause),
+        Mark::new(ours == PRINTED, || cause),
         format!(
             "{ours:?}: {} windows a recording at stride 1, split by recordings 64, 12 and 4.",
             starts(SAMPLES, window, 1)

@@ -63,7 +63,7 @@ fn section(out: &mut String, scene: &Scene) {
         let _ = writeln!(out, "<li>.. and {} more</li>", words.len() - TOLD);
     }
     out.push_str("</ul>\n");
-    if let Some((old, new)) = scene.of(GoldenKind::Schedule) {
+    if let Some((old, new)) = scene.golden(GoldenKind::Schedule) {
         margins(out, old, new);
         drawings(out, old, new);
     }

@@ -138,7 +138,7 @@ impl Scene {
     }
 
     /// The golden of a kind that waits, with what it replaces.
-    pub fn of(&self, kind: GoldenKind) -> Option<(&Story, &Story)> {
+    pub fn golden(&self, kind: GoldenKind) -> Option<(&Story, &Story)> {
         self.changes.iter().find_map(|change| {
             let (old, new) = (change.old.as_ref()?, change.new.as_ref()?);
             (old.kind == kind && new.kind == kind).then_some((old, new))

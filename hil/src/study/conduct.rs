@@ -292,7 +292,7 @@ impl Conducting<'_> {
         if let Some(end) = self.pass()? {
             return Ok((Came::End(end), None));
         }
-        let mut played = Played::of(trial);
+        let mut played = Played::new(trial);
         let came = match self.answers {
             Answers::Person(_) => self.simulated(&step, trial, &mut played)?,
             Answers::Page(desk) => self.trial(desk, trial, signals, &mut played)?,

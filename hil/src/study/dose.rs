@@ -50,7 +50,7 @@ pub fn planned(stimuli: &Stimuli, session: &Session) -> Result<Dose, Failure> {
     };
     for (index, trial) in trials.iter().enumerate() {
         for stimulus in &trial.intervals {
-            let rehearsed = rehearsals.of(stimuli, stimulus)?;
+            let rehearsed = rehearsals.rehearsal(stimuli, stimulus)?;
             if let Stimulus::Condition(name) = stimulus {
                 known.paths.insert(name.clone(), rehearsed.path.clone());
             }

@@ -47,7 +47,7 @@ fn answer(session: &mut Session, writing: &Writing) -> Line {
     Line::Reply(Said {
         at_ms: writing.stamp(7),
         reply,
-        trial: Some(Played::of(&trial)),
+        trial: Some(Played::new(&trial)),
     })
 }
 

@@ -172,7 +172,7 @@ impl Player {
         now_ms: u64,
     ) -> Result<Option<Interval>, Failure> {
         let began = self.begins(now_ms);
-        let rehearsed = self.rehearsals.of(&self.stimuli, stimulus)?;
+        let rehearsed = self.rehearsals.rehearsal(&self.stimuli, stimulus)?;
         let interval = || Interval {
             stimulus: Some(stimulus.clone()),
             began_ms: began.as_micros() / 1000,

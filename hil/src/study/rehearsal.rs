@@ -37,7 +37,7 @@ impl Rehearsals {
     ///
     /// # Errors
     /// [`Failure`] of a bench that cannot play it.
-    pub(super) fn of(
+    pub(super) fn rehearsal(
         &mut self,
         stimuli: &Stimuli,
         stimulus: &Stimulus,

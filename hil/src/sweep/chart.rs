@@ -31,7 +31,7 @@ pub struct Spot {
 
 impl Spot {
     /// Spot of all values at `x`; `None` without a value.
-    pub fn of(x: f64, values: &[f64]) -> Option<Self> {
+    pub fn around(x: f64, values: &[f64]) -> Option<Self> {
         let (low, high) = ends(values.iter().copied())?;
         let mean = mean(values.iter().copied())?;
         Some(Self { x, low, mean, high })

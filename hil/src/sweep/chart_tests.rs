@@ -3,7 +3,7 @@
 use super::*;
 
 fn line(name: &str, spots: &[(f64, f64)]) -> Line {
-    let spots = spots.iter().filter_map(|&(x, y)| Spot::of(x, &[y]));
+    let spots = spots.iter().filter_map(|&(x, y)| Spot::around(x, &[y]));
     Line {
         name: name.into(),
         spots: spots.collect(),

@@ -145,7 +145,7 @@ fn lines(rows: &[&RunRow], key: &str, figure: &str) -> Vec<Line> {
         let places = points.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq());
         let spots = places.filter_map(|at| {
             let values: Vec<f64> = at.iter().map(|p| p.1).collect();
-            Spot::of(at.first()?.0, &values)
+            Spot::around(at.first()?.0, &values)
         });
         Line {
             name,

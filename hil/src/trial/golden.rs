@@ -52,7 +52,7 @@ struct Kept {
 
 impl Goldens {
     /// Goldens of a scene file on a bench. The emulated bench that ships needs no name in them.
-    pub fn of(scene: &Path, bench: &str) -> Self {
+    pub fn new(scene: &Path, bench: &str) -> Self {
         let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
         let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
         Self {

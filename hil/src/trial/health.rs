@@ -66,7 +66,7 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
     // One that is not there is complained of below.
     let adapters = watch.buses.iter();
     for hardware in adapters.filter_map(|bus| Hardware::adapter(&bus.path).ok()) {
-        if let Some(held) = Latch::of(&hardware).read() {
+        if let Some(held) = Latch::new(&hardware).read() {
             wrong.push(format!("{hardware}: stopped: {}", held.cause));
         }
     }

@@ -120,7 +120,7 @@ pub struct Trial {
 
 impl Trial {
     /// A trial that was run once.
-    pub fn of(scene: &str, tried: Try, took: Duration) -> Self {
+    pub fn new(scene: &str, tried: Try, took: Duration) -> Self {
         Self {
             scene: scene.to_owned(),
             end: match (tried.wrong.verdict, tried.noted.verdict) {
@@ -203,7 +203,7 @@ pub fn decide(
             continue;
         }
         let halt = tried.halt.clone();
-        let mut trial = Trial::of(scene, tried, started.elapsed());
+        let mut trial = Trial::new(scene, tried, started.elapsed());
         let passed = matches!(trial.end, TrialEnd::Passed | TrialEnd::Noted(_));
         if passed && !before.is_empty() {
             trial.end = TrialEnd::Unstable(before);

@@ -18,7 +18,7 @@ use super::{Suite, Trial, TrialEnd};
 /// A folder that cannot be read.
 pub fn unclaimed(suite: &Suite, benches: &[&str], all_tried: bool) -> Result<Vec<Trial>, Failure> {
     let of = |scene: &Path, bench: &str| {
-        let goldens = Goldens::of(scene, bench);
+        let goldens = Goldens::new(scene, bench);
         (goldens.folder().to_path_buf(), goldens.stem().to_owned())
     };
     let claims: BTreeSet<(PathBuf, String)> = suite

@@ -48,7 +48,7 @@ impl Thresholding {
             lapse: LAPSE,
             part: 1.0 - libm::exp(-1.0),
         };
-        Self::of(method, domain, trials)
+        Self::new(method, domain, trials)
     }
 
     /// The least difference from a level, dB of full drive, that is felt: its levels are parts of that amplitude, from
@@ -65,7 +65,7 @@ impl Thresholding {
             lapse: LAPSE,
             part: 1.0 - libm::exp(-1.0),
         };
-        Self::of(method, domain, trials)
+        Self::new(method, domain, trials)
     }
 
     /// The level, dB of full drive, at which a wire is called stronger than another as often as weaker.
@@ -79,10 +79,10 @@ impl Thresholding {
             lapse: LAPSE,
             part: ALIKE,
         };
-        Self::of(ThresholdMethod::QuestPlus, domain, trials)
+        Self::new(ThresholdMethod::QuestPlus, domain, trials)
     }
 
-    fn of(method: ThresholdMethod, domain: QuestDomain, trials: u32) -> Self {
+    fn new(method: ThresholdMethod, domain: QuestDomain, trials: u32) -> Self {
         let ends = (domain.levels.first(), domain.levels.last());
         let range = (
             ends.0.copied().unwrap_or_default(),

@@ -40,7 +40,7 @@ impl Draws {
     }
 
     /// Draws one of these.
-    pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
+    pub fn pick<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len() as u64) as usize]
     }
 
@@ -81,7 +81,7 @@ impl Fault {
     fn draw(draws: &mut Draws) -> Self {
         match draws.below(11) {
             0 => Self::Bus(
-                draws.of(&[
+                draws.pick(&[
                     libc::ENXIO,
                     libc::EIO,
                     libc::EREMOTEIO,
@@ -91,7 +91,7 @@ impl Fault {
                 draws.ms(5, 700),
             ),
             1 => Self::Adapter(draws.ms(5, 700)),
-            2 => Self::Process(draws.of(&[
+            2 => Self::Process(draws.pick(&[
                 Signal::SIGKILL,
                 Signal::SIGABRT,
                 Signal::SIGSEGV,
@@ -100,11 +100,11 @@ impl Fault {
                 Signal::SIGINT,
                 Signal::SIGHUP,
             ])),
-            3 => Self::Guardian(draws.of(&[Signal::SIGKILL, Signal::SIGTERM, Signal::SIGSTOP])),
+            3 => Self::Guardian(draws.pick(&[Signal::SIGKILL, Signal::SIGTERM, Signal::SIGSTOP])),
             4 => Self::Thread,
             5 => Self::Memory,
             6 => Self::Descriptor,
-            7 => Self::Disk(draws.of(&[
+            7 => Self::Disk(draws.pick(&[
                 None,
                 Some(libc::ENOSPC),
                 Some(libc::EIO),
@@ -112,7 +112,7 @@ impl Fault {
             ])),
             8 => Self::Terminal,
             9 => Self::Clock(draws.below(2) == 0, draws.ms(150, 600)),
-            _ => Self::Signal(draws.of(&[
+            _ => Self::Signal(draws.pick(&[
                 Signal::SIGUSR2,
                 Signal::SIGPIPE,
                 Signal::SIGXFSZ,

@@ -26,7 +26,7 @@ pub enum Damage {
 impl Damage {
     /// Draws one.
     pub fn draw(draws: &mut Draws) -> Self {
-        draws.of(&[Self::Cut, Self::Byte, Self::Older, Self::Newer])
+        draws.pick(&[Self::Cut, Self::Byte, Self::Older, Self::Newer])
     }
 
     /// The version that takes the place of 1.

@@ -83,15 +83,15 @@ pub struct Feed {
 impl Feed {
     /// From the moment at which somebody listens at `place`, on a board of this number.
     pub fn start(place: PathBuf, board: u8) -> Self {
-        Self::of(touched(), place, board)
+        Self::new(touched(), place, board)
     }
 
     /// A skin that nothing touches, from the same moment.
     pub fn at_rest(place: PathBuf, board: u8) -> Self {
-        Self::of(at_rest(), place, board)
+        Self::new(at_rest(), place, board)
     }
 
-    fn of(frames: &'static [Sent], place: PathBuf, board: u8) -> Self {
+    fn new(frames: &'static [Sent], place: PathBuf, board: u8) -> Self {
         let (over, paused) = (Arc::default(), Arc::default());
         let (ended, waits): (Arc<AtomicBool>, Arc<AtomicBool>) =
             (Arc::clone(&over), Arc::clone(&paused));

@@ -150,7 +150,7 @@ impl<'a> World<'a> {
                 self.run(May::End);
             }
             Step::Ledger(damage) => {
-                let ending = self.draws.of(&["heat", "dose"]);
+                let ending = self.draws.pick(&["heat", "dose"]);
                 if let Some(file) = crate::ledger::kept(self.bench, ending) {
                     Kept::read(file).harm_ledger(damage, &mut self.draws);
                     self.model.unreadable = Certainty::Yes;

@@ -63,18 +63,18 @@ impl Step {
         match draws.below(30) {
             0..14 => Self::Clean,
             14..18 => {
-                let killed = draws.of(&[Killed::Run, Killed::Guardian, Killed::Both]);
+                let killed = draws.pick(&[Killed::Run, Killed::Guardian, Killed::Both]);
                 Self::Kill(killed, draws.ms(20, 1950))
             }
             18 | 19 => {
-                let (is_named, is_anew) = draws.of(&[(true, true), (true, false), (false, true)]);
+                let (is_named, is_anew) = draws.pick(&[(true, true), (true, false), (false, true)]);
                 Self::Reboot(is_named, is_anew)
             }
             20 | 21 => Self::Ledger(Damage::draw(draws)),
             22 => Self::Record(Damage::draw(draws)),
             23 => Self::Lock,
             24 | 25 => {
-                let disk = draws.of(&[
+                let disk = draws.pick(&[
                     Disk::Fails(libc::ENOSPC),
                     Disk::Fails(libc::EROFS),
                     Disk::Fails(libc::EIO),
@@ -82,10 +82,10 @@ impl Step {
                 ]);
                 let from = draws.ms(100, 1100);
                 let from = (draws.below(2) == 0).then_some(from);
-                let whose = draws.of(&[RUN, GUARDIAN, RUN | GUARDIAN]);
+                let whose = draws.pick(&[RUN, GUARDIAN, RUN | GUARDIAN]);
                 Self::Disk(disk, whose, from, draws.ms(100, 3000))
             }
-            26 => draws.of(&[Self::NoFolder, Self::OthersFolder]),
+            26 => draws.pick(&[Self::NoFolder, Self::OthersFolder]),
             27 => Self::Two(draws.ms(0, 1400)),
             28 => Self::Port,
             _ => Self::Off,

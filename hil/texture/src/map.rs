@@ -45,7 +45,7 @@ pub struct View {
 impl View {
     /// The coordinates that the model's file names for roughness and for hardness. Where it names none, or the same
     /// for both, an axis is another coordinate and stands for nothing.
-    pub fn of(model: &TextureModel) -> Self {
+    pub fn new(model: &TextureModel) -> Self {
         let latent = model.metadata().get("latent").map_or("", String::as_str);
         Self::named_by(latent, model.latents())
     }
@@ -111,7 +111,7 @@ pub struct Spot {
 
 impl Spot {
     /// Mean and spread of some points; zeros for none.
-    pub fn of(points: &[(f64, f64)]) -> Self {
+    pub fn around(points: &[(f64, f64)]) -> Self {
         let n = points.len().max(1) as f64;
         let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
         let (x, y) = (sum(&|p| p.0), sum(&|p| p.1));
@@ -161,7 +161,7 @@ pub fn place<'a>(encoded: &[Encoded<'a>], model: &TextureModel, view: View) -> V
         Placed {
             entry,
             is_trained: model.was_trained_on(&entry.name).unwrap_or(entry.trained),
-            spot: Spot::of(&points),
+            spot: Spot::around(&points),
             points,
         }
     };

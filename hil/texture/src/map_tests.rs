@@ -45,9 +45,9 @@ fn an_axis_says_only_what_the_file_names() {
 fn an_ellipse_lies_along_its_points() {
     // on a line along (3, 4), two of four at a distance of 5: a variance of 12.5
     let points = [(3.0, 4.0), (-3.0, -4.0), (0.0, 0.0), (0.0, 0.0)];
-    let spot = Spot::of(&points);
+    let spot = Spot::around(&points);
     assert!(spot.mean.0.abs() < 1e-12 && spot.mean.1.abs() < 1e-12);
     assert!((spot.half.0 - 12.5f64.sqrt()).abs() < 1e-9 && spot.half.1.abs() < 1e-6);
     assert!((spot.turn - (4.0f64).atan2(3.0)).abs() < 1e-9);
-    assert_eq!(Spot::of(&[]).half, (0.0, 0.0));
+    assert_eq!(Spot::around(&[]).half, (0.0, 0.0));
 }

@@ -262,7 +262,7 @@ fn answers(asked: &[Condition], values: &[f64]) -> [Answer; FACTORS] {
 fn partials(materials: &[SurfaceTexture], values: &[f64], seed: u64) -> [Partial; PROPERTIES] {
     let mut columns = vec![values.to_vec()];
     for factor in Factor::PROPERTIES {
-        columns.push(materials.iter().filter_map(|m| factor.of(m)).collect());
+        columns.push(materials.iter().filter_map(|m| factor.value(m)).collect());
     }
     let found = each_held(&columns);
     let mut stream = RandomStream::new(seed, "resampled materials");

@@ -87,7 +87,7 @@ impl Factor {
     }
 
     /// Value of the factor for a surface; `None` for a factor of the hand.
-    pub const fn of(self, surface: &SurfaceTexture) -> Option<f64> {
+    pub const fn value(self, surface: &SurfaceTexture) -> Option<f64> {
         match self {
             Self::Relief => Some(surface.relief_mm),
             Self::Wavelength => Some(surface.wavelength_mm),

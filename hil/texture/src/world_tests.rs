@@ -9,7 +9,7 @@ use super::*;
 fn drawn_properties_say_nothing_of_each_other_and_fill_their_ranges() {
     let materials = draw(500, 1);
     let values = |factor: Factor| -> Vec<f64> {
-        let all = materials.iter().map(|m| factor.of(m));
+        let all = materials.iter().map(|m| factor.value(m));
         all.collect::<Option<_>>().unwrap()
     };
     for (n, a) in Factor::PROPERTIES.into_iter().enumerate() {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use palpate_core::units::{Instant, Point};
 use palpate_files::Setup;
 use palpate_records::digest::ScheduleDigest;
+use palpate_run::display_end::DisplayEnd;
 use palpate_run::picture::{Head, Painter, Picture, State};
 use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
 use serde::Serialize;

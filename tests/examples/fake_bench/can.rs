@@ -56,8 +56,8 @@ pub unsafe extern "C" fn bind(
     }
     for number in 0..SOCKETS {
         let path = match number {
-            0 => Text::<108>::of(format_args!("{folder}/{name}.rx")),
-            n => Text::of(format_args!("{folder}/{name}-{n}.rx")),
+            0 => Text::<108>::new(format_args!("{folder}/{name}.rx")),
+            n => Text::new(format_args!("{folder}/{name}-{n}.rx")),
         };
         let Some(path) = path.c() else {
             return fail(libc::ENAMETOOLONG);

@@ -167,7 +167,7 @@ fn start_of(path: *const c_char) -> Option<Text<512>> {
     // SAFETY: the caller's path ends in a zero.
     let is_kernel_s = unsafe { CStr::from_ptr(path) } == c"/proc/sys/kernel/random/boot_id";
     let folder = folder().filter(|_| is_kernel_s)?;
-    let own = Text::of(format_args!("{folder}/{BOOT_ID}"));
+    let own = Text::new(format_args!("{folder}/{BOOT_ID}"));
     // SAFETY: the path ends in a zero.
     let is_there = unsafe { libc::access(own.c()?.as_ptr(), libc::F_OK) } == 0;
     is_there.then_some(own)

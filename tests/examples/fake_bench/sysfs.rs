@@ -45,9 +45,9 @@ pub unsafe extern "C" fn realpath(path: *const c_char, place: *mut c_char) -> *m
     let next = real!(c"realpath" as fn(*const c_char, *mut c_char) -> *mut c_char);
     let own = folder().and_then(|folder| {
         let path = text(path.cast_mut())?;
-        let begin = Text::<32>::of(format_args!("/sys/dev/char/{MAJOR}:"));
+        let begin = Text::<32>::new(format_args!("/sys/dev/char/{MAJOR}:"));
         let is_own = path.starts_with(begin.c()?.to_str().ok()?);
-        is_own.then(|| Text::<512>::of(format_args!("{folder}{path}")))
+        is_own.then(|| Text::<512>::new(format_args!("{folder}{path}")))
     });
     let path = own.as_ref().and_then(Text::c).map_or(path, CStr::as_ptr);
     // SAFETY: handed on as it came, or a path that ends in a zero and lives until after the call.

@@ -11,7 +11,7 @@ pub struct Text<const N: usize> {
 
 impl<const N: usize> Text<N> {
     /// Text as formatted; what does not fit makes all of it useless.
-    pub fn of(text: Arguments<'_>) -> Self {
+    pub fn new(text: Arguments<'_>) -> Self {
         let mut own = Self {
             bytes: [0; N],
             length: 0,

@@ -100,7 +100,7 @@ pub struct Run {
 
 /// The latch of the adapter of a node.
 pub fn latch_of(node: &str) -> Latch {
-    Latch::of(&Hardware::adapter(Path::new(node)).unwrap())
+    Latch::new(&Hardware::adapter(Path::new(node)).unwrap())
 }
 
 /// Clears the stop of that adapter, once no guardian holds it any more.
@@ -108,7 +108,7 @@ pub fn unlatch(node: &str) {
     let hardware = Hardware::adapter(Path::new(node)).unwrap();
     for _ in 0..1000 {
         if let Ok(lock) = BusLock::take(&hardware) {
-            Latch::of(&hardware).clear(&lock).unwrap();
+            Latch::new(&hardware).clear(&lock).unwrap();
             return;
         }
         std::thread::sleep(Duration::from_millis(10));

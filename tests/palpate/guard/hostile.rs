@@ -42,7 +42,7 @@ impl State {
     const ALL: [Self; 3] = [Self::Cold, Self::Passed, Self::Taut];
 
     /// Brings drawn wires into this state.
-    fn of(self, drawn: Parameters, s: &mut RandomStream) -> Parameters {
+    fn applied(self, drawn: Parameters, s: &mut RandomStream) -> Parameters {
         match self {
             Self::Cold => drawn.loose(s),
             Self::Passed => drawn.passed(s),
@@ -131,7 +131,7 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
         if case.is_multiple_of(3) {
             parameters = parameters.in_the_worst_corner(&mut s);
         }
-        parameters = state.of(parameters.sized(sized(um, mm), rest_c), &mut s);
+        parameters = state.applied(parameters.sized(sized(um, mm), rest_c), &mut s);
     }
     let rest_c = parameters.skin.body_c;
     let kind = match s.next_u64() % 4 {
@@ -302,7 +302,7 @@ fn no_wire_of_another_size_passes_a_limit() {
 fn dwells((um, mm): (f64, f64), state: State, rest_c: f64, worn: Option<WornWire>) -> Rig {
     let mut s = RandomStream::new(1, "dwelling");
     let drawn = Parameters::draw(&mut s).in_the_worst_corner(&mut s);
-    let drawn = state.of(drawn.sized(sized(um, mm), rest_c), &mut s);
+    let drawn = state.applied(drawn.sized(sized(um, mm), rest_c), &mut s);
     let parameters = Parameters {
         oscillator_hz: 23_000_000,
         current: Milliamps(1970),

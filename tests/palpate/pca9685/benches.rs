@@ -30,7 +30,7 @@ struct Chips {
 }
 
 impl Chips {
-    fn of(bench: &BenchFile) -> Self {
+    fn new(bench: &BenchFile) -> Self {
         let adapters = match &bench.real {
             Some(real) => real.i2c.clone(),
             None => vec![PathBuf::new()],
@@ -101,7 +101,7 @@ impl Chips {
 /// Drives each wire of a bench alone through guard and driver; what rose each time, or what failed.
 fn driven(file: BenchFile) -> Result<Vec<BTreeSet<Place>>, String> {
     let text = |e: &dyn std::fmt::Display| e.to_string();
-    let chips = Chips::of(&file);
+    let chips = Chips::new(&file);
     let bench = Loaded {
         value: file,
         source: Source::new("b.toml", ""),

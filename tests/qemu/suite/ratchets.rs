@@ -51,7 +51,7 @@ impl Onsets {
     }
 
     /// Instructions of an onset of these wires, each for 38 ms.
-    fn of(&mut self, wires: impl Iterator<Item = u16>) -> u64 {
+    fn instructions(&mut self, wires: impl Iterator<Item = u16>) -> u64 {
         let one = |wire| (wire, Ticks::new(60), Duration::from_millis(38));
         let stimuli: Vec<_> = wires.map(one).collect();
         let took = self
@@ -75,15 +75,15 @@ fn admitted(machine: Machine) -> [u64; 4] {
     let turns: Vec<u64> = (0..200)
         .map(|n| {
             onsets.pass(60);
-            onsets.of(std::iter::once(n % 8))
+            onsets.instructions(std::iter::once(n % 8))
         })
         .collect();
     let mean = turns.iter().sum::<u64>() / 200;
     let most = turns.into_iter().max().unwrap_or(0);
     onsets.pass(60);
-    let together = onsets.of(0..8) / 8;
+    let together = onsets.instructions(0..8) / 8;
     onsets.pass(11_000);
-    let quiet = onsets.of(std::iter::once(0));
+    let quiet = onsets.instructions(std::iter::once(0));
     [mean, most, together, quiet]
 }
 

@@ -36,7 +36,7 @@ impl Mode {
     }
 
     /// Of what a page holds.
-    pub const fn of(number: u32) -> Self {
+    pub const fn new(number: u32) -> Self {
         match number {
             1 => Self::Hangs,
             2 => Self::Lies,
@@ -86,7 +86,7 @@ impl AdapterPage {
 
     /// What it does now.
     pub fn mode(&self) -> Mode {
-        Mode::of(self.mode.load(Ordering::Acquire))
+        Mode::new(self.mode.load(Ordering::Acquire))
     }
 
     /// Says what it does from now on.

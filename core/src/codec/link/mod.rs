@@ -58,7 +58,7 @@ impl Kind {
     }
 
     /// Kind that a datagram's header states; `None` for a datagram too short or of an unknown kind.
-    pub fn of(datagram: &[u8]) -> Option<Self> {
+    pub fn stated_in(datagram: &[u8]) -> Option<Self> {
         let kinds = [Self::Knock, Self::Hello, Self::Command, Self::Status];
         let number = datagram.get(3)?;
         kinds.into_iter().find(|k| k.number() == *number)
@@ -130,7 +130,7 @@ impl Header {
             return Err(Refusal::Version(version));
         }
         let number = reader.u8().ok_or(short)?;
-        let kind = Kind::of(datagram).ok_or(Refusal::Kind(number))?;
+        let kind = Kind::stated_in(datagram).ok_or(Refusal::Kind(number))?;
         let host = reader.u64().ok_or(short)?;
         let unit = reader.u64().ok_or(short)?;
         let sequence = reader.u64().ok_or(short)?;

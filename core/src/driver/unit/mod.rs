@@ -123,7 +123,9 @@ impl UnitDriver {
     /// Age of the unit's newest report, by the unit's clock as it is known here.
     pub fn status_age(&self, now: Instant) -> Option<Duration> {
         let status = self.status.as_ref()?;
-        self.sync.of(now).map(|there| there.since(status.now))
+        self.sync
+            .unit_time(now)
+            .map(|there| there.since(status.now))
     }
 
     /// Counts of the link's traffic.
@@ -275,7 +277,7 @@ impl UnitDriver {
 
     /// Drops stimuli that are over from the plan. Those that run stay, for an update may end them before their time.
     fn forget_over(&mut self, now: Instant) {
-        let Some(now) = self.sync.of(now) else {
+        let Some(now) = self.sync.unit_time(now) else {
             return;
         };
         let mut kept = 0;
@@ -370,7 +372,7 @@ impl UnitDriver {
     fn plan(&mut self, update: &Guarded) -> Result<(), UnitFault> {
         let open = self.open.as_ref().ok_or(UnitFault::Silent)?;
         let wires = open.hello.wires;
-        let at = self.sync.of(update.at() + self.settings.delay);
+        let at = self.sync.unit_time(update.at() + self.settings.delay);
         let at = at.ok_or(UnitFault::NoTime)?;
         let board = update.board();
         let carried = wires.get(usize::from(board.0)).copied().unwrap_or(0);

@@ -74,7 +74,7 @@ impl Sync {
     }
 
     /// A time of the host in the unit's.
-    pub(super) fn of(&self, host: Instant) -> Option<Instant> {
+    pub(super) fn unit_time(&self, host: Instant) -> Option<Instant> {
         let e = self.now()?;
         Some(instant(micros(host) + e.least + e.width() / 2))
     }

@@ -22,7 +22,7 @@ fn even_ways_give_the_offset_and_uneven_ones_half_their_difference() {
     for (there, back, wrong) in [(3000, 3000, 0), (9000, 3000, 3000), (3000, 9000, -3000)] {
         let mut sync = Sync::default();
         sync.add(exchange(0, 7_000_000, there, back));
-        let found = sync.of(at(50_000)).unwrap().as_micros() as i64;
+        let found = sync.unit_time(at(50_000)).unwrap().as_micros() as i64;
         assert_eq!(found - 7_050_000, wrong);
         assert!(sync.earliest(at(50_000)).unwrap() <= at(7_050_000));
         assert_eq!(sync.now().unwrap().width(), (there + back) as i64);
@@ -40,7 +40,7 @@ fn the_narrowest_of_half_a_second_counts() {
         };
         sync.add(exchange(10_000 * n, 500, there, back));
         if n > 7 {
-            assert_eq!(sync.of(at(20_000)), Some(at(20_500)), "{n}");
+            assert_eq!(sync.unit_time(at(20_000)), Some(at(20_500)), "{n}");
         }
     }
 }
@@ -52,7 +52,7 @@ fn an_old_enclosure_is_given_up() {
     for n in 1..100 {
         sync.add(exchange(10_000 * n, 900, 3000, 3000));
     }
-    assert_eq!(sync.of(at(0)), Some(at(900)));
+    assert_eq!(sync.unit_time(at(0)), Some(at(900)));
 }
 
 #[test]
@@ -64,5 +64,5 @@ fn an_answer_before_its_question_is_none() {
         answered: at(9000),
         heard: at(1100),
     });
-    assert_eq!(sync.of(at(0)), None);
+    assert_eq!(sync.unit_time(at(0)), None);
 }

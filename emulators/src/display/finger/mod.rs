@@ -24,7 +24,7 @@ pub struct Depth {
 
 impl Depth {
     /// The temperature at the depth, from all node temperatures.
-    pub fn of(&self, nodes: &[f64; NODES]) -> f64 {
+    pub fn temperature(&self, nodes: &[f64; NODES]) -> f64 {
         nodes[self.node] * (1.0 - self.weight) + nodes[self.node + 1] * self.weight
     }
 }

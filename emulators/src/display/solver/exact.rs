@@ -105,7 +105,7 @@ impl Exact {
         let phase = Phase::new(wire, tissue, start_c)?;
         let same = other.filter(|other| *other.network == network);
         let regimes = same.map_or_else(Regimes::default, |same| same.regimes.clone());
-        let resting = regimes.of(
+        let resting = regimes.mode(
             &network,
             ModeKey {
                 latent: 0.0,
@@ -433,7 +433,7 @@ impl Exact {
         let nodes = self.modes[self.mode].nodes(&self.z);
         let found = self.modes.iter().position(|m| m.key == key);
         self.mode = found.unwrap_or_else(|| {
-            let mode = self.regimes.of(&self.network, key);
+            let mode = self.regimes.mode(&self.network, key);
             if self.modes.len() < REGIMES {
                 self.modes.push(mode);
                 return self.modes.len() - 1;

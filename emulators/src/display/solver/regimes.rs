@@ -16,7 +16,7 @@ pub(super) struct Regimes(Arc<Mutex<VecDeque<Arc<Mode>>>>);
 
 impl Regimes {
     /// The regime `key` of `network`; every call has to give the same network.
-    pub(super) fn of(&self, network: &ThermalNetwork, key: ModeKey) -> Arc<Mode> {
+    pub(super) fn mode(&self, network: &ThermalNetwork, key: ModeKey) -> Arc<Mode> {
         // A thread that panicked with the lock held left a whole list behind.
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(mode) = known.iter().find(|mode| mode.key == key) {

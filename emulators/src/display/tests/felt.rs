@@ -115,7 +115,7 @@ fn run(case: &Case) -> Seen {
     let mut case = case.clone();
     case.wire.ends_c = case.finger_c;
     let (solver, rest_m) = built(&case, &tissue);
-    let mut wire = Wire::of(solver).worn(&tissue).unwrap();
+    let mut wire = Wire::on(solver).worn(&tissue).unwrap();
     wire.keep_stretches();
     let mut perceiver = Perceiver::new(PERSON, &[(0.0, 0.0)]).unwrap();
     let mut seen = Seen {
@@ -268,7 +268,7 @@ fn bursts_are_felt_as_computed_elsewhere() {
 /// Bursts of pulses of 183 us every 5.08 ms from cold: hottest wire, least martensite within a second, hottest skin.
 fn passed(case: &Case, tissue: &TissueParameters, (bursts, pulses): (u64, u64)) -> [f64; 3] {
     let (solver, _) = built(case, tissue);
-    let mut wire = Wire::of(solver);
+    let mut wire = Wire::on(solver);
     let (mut least, mut end) = (1.0_f64, Nanos::ZERO);
     for burst in 0..bursts {
         for pulse in 0..pulses {

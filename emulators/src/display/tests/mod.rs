@@ -36,7 +36,7 @@ pub const fn trained() -> WireParameters {
 /// A wire under the stress of its vendor's temperatures, whatever its length.
 pub fn at_constant_stress(wire: &WireParameters, tissue: &TissueParameters) -> Wire {
     let solver = Exact::new(wire, tissue, 33.0).unwrap();
-    Wire::of(solver.with_linear_bow(tissue, 33.0))
+    Wire::on(solver.with_linear_bow(tissue, 33.0))
 }
 
 /// Edges of bursts of `burst` at the start of every `cycle`; each burst is a new train at 196.89 Hz.

@@ -26,7 +26,7 @@ struct Standing {
 }
 
 impl Standing {
-    fn of(wire: &mut Wire, at: Nanos) -> Self {
+    fn new(wire: &mut Wire, at: Nanos) -> Self {
         let martensite = wire.fraction(at);
         let strain = wire.strain(at).phase;
         let parameters = wire.solver().wire();
@@ -84,9 +84,9 @@ fn thin(state: WireState) -> WireParameters {
 
 /// Lets an hour pass, looked at every minute, and returns its end.
 fn rest(wire: &mut Wire, from: Nanos) -> Nanos {
-    let first = Standing::of(wire, from);
+    let first = Standing::new(wire, from);
     for minute in 1..=60 {
-        Standing::of(wire, from + Nanos(minute * MINUTE.0)).assert_is(&first);
+        Standing::new(wire, from + Nanos(minute * MINUTE.0)).assert_is(&first);
     }
     from + HOUR
 }
@@ -108,9 +108,9 @@ fn an_hour_of_rest_moves_nothing() {
     for (state, cold) in [(WireState::Cold, true), (WireState::Passed, false)] {
         let wire = Wire::new(&thin(state), &tissue, 33.0);
         let mut wire = wire.and_then(|w| w.worn(&tissue)).unwrap();
-        let begun = Standing::of(&mut wire, Nanos::ZERO);
+        let begun = Standing::new(&mut wire, Nanos::ZERO);
         rest(&mut wire, HOUR);
-        let rested = Standing::of(&mut wire, hours(2));
+        let rested = Standing::new(&mut wire, hours(2));
         let m = if cold { 1.0 } else { 0.0 };
         assert!((rested.martensite - m).abs() < SAME, "{rested:?}");
         assert!(cold || rested.r > 0.9, "{rested:?}");
@@ -120,7 +120,7 @@ fn an_hour_of_rest_moves_nothing() {
         let end = pass(&mut wire, hours(2));
         assert!(wire.peaks(end).wire_c > 60.0);
         rest(&mut wire, hours(3));
-        let passed = Standing::of(&mut wire, hours(4));
+        let passed = Standing::new(&mut wire, hours(4));
         assert!(passed.martensite < SAME, "{passed:?}");
         if cold {
             assert!(passed.bow_m - rested.bow_m > 20e-6, "{passed:?}");
@@ -150,23 +150,23 @@ fn a_wire_that_is_passed_and_cooled_is_the_cold_one() {
         28.0 * 1e-3 / (other.temperature(HOUR) - 5.0)
     };
     let mut now = rest(&mut wire, Nanos::ZERO);
-    let set_out = Standing::of(&mut wire, now);
+    let set_out = Standing::new(&mut wire, now);
     assert!((set_out.martensite - 1.0).abs() < SAME, "{set_out:?}");
     wire.set_power(now, warm_w);
     now = rest(&mut wire, now + HOUR);
-    let cold = Standing::of(&mut wire, now);
+    let cold = Standing::new(&mut wire, now);
     assert!((cold.wire_c - 33.0).abs() < 1e-6, "{cold:?}");
     now = pass(&mut wire, now);
     wire.set_power(now, warm_w);
     now = rest(&mut wire, now + HOUR);
-    let passed = Standing::of(&mut wire, now);
+    let passed = Standing::new(&mut wire, now);
     assert!(passed.martensite < SAME && passed.r > 0.9, "{passed:?}");
     assert!(passed.bow_m - cold.bow_m > 20e-6, "{passed:?} {cold:?}");
     // Cooled under the martensite's finish, and warmed again.
     wire.set_power(now, 0.0);
     now = rest(&mut wire, now + HOUR);
-    Standing::of(&mut wire, now).assert_is(&set_out);
+    Standing::new(&mut wire, now).assert_is(&set_out);
     wire.set_power(now, warm_w);
     now = rest(&mut wire, now + HOUR);
-    Standing::of(&mut wire, now).assert_is(&cold);
+    Standing::new(&mut wire, now).assert_is(&cold);
 }

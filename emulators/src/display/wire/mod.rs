@@ -234,17 +234,17 @@ impl Wire {
     /// A light copy that gives the temperatures that this wire would.
     #[must_use]
     pub fn ahead(&self) -> Self {
-        Self::of(self.solver.ahead())
+        Self::on(self.solver.ahead())
     }
 
     /// Clones the wire to answer for peaks, energy and dose too. Bursts and stretches stay behind.
     #[must_use]
     pub(crate) fn ahead_with_books(&self) -> Self {
-        Self::of(self.solver.ahead_with_books())
+        Self::on(self.solver.ahead_with_books())
     }
 
     /// A wire on this solver, without bursts or pulses.
-    pub(crate) const fn of(solver: Exact) -> Self {
+    pub(crate) const fn on(solver: Exact) -> Self {
         Self {
             solver,
             pulse: None,

@@ -86,8 +86,8 @@ impl Free {
     /// Free motion over each of these times, s.
     #[inline(always)]
     pub fn over<const COUNT: usize>(times: &[f64; COUNT]) -> [Self; COUNT] {
-        let fast = Rings::of(P, times);
-        let slow = Rings::of(N, times);
+        let fast = Rings::new(P, times);
+        let slow = Rings::new(N, times);
         let mut all = [Self::NONE; COUNT];
         for (i, one) in all.iter_mut().enumerate() {
             let stage = fast.matrix(i);
@@ -139,7 +139,7 @@ struct Rings<const COUNT: usize> {
 
 impl<const COUNT: usize> Rings<COUNT> {
     #[inline(always)]
-    fn of(w: f64, times: &[f64; COUNT]) -> Self {
+    fn new(w: f64, times: &[f64; COUNT]) -> Self {
         let (mut angles, mut powers) = ([0.0; COUNT], [0.0; COUNT]);
         for i in 0..COUNT {
             let theta = w * times[i];

@@ -280,7 +280,7 @@ pub struct Tables {
 
 impl Tables {
     /// A regime's piece of this length.
-    pub fn of(
+    pub fn piece(
         &mut self,
         rule: &Gauss,
         vectors: Vectors,

@@ -177,7 +177,7 @@ impl WireFilter {
             tables,
             vectors,
         } = shared;
-        let known = tables.of(rule, *vectors, stretch.regime, &stretch.rates, piece);
+        let known = tables.piece(rule, *vectors, stretch.regime, &stretch.rates, piece);
         let mut outputs = known.pass(*vectors, terms, &mut self.x);
         let (grown, way) = (known.swollen(), known.way(terms));
         for (term, decay) in terms.iter_mut().zip(known.decay()) {

@@ -164,7 +164,7 @@ impl Interface {
                 Err(Errno::EINTR) => continue,
                 other => other?,
             };
-            let at = self.stamps.of(&packet);
+            let at = self.stamps.time(&packet);
             let mut change = None;
             let mut lost = 0;
             {

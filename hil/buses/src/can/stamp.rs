@@ -37,7 +37,7 @@ impl Stamps {
     }
 
     /// Time at which a packet was received: by the controller where it says so, else by the kernel, else now.
-    pub fn of(&mut self, packet: &Packet) -> Instant {
+    pub fn time(&mut self, packet: &Packet) -> Instant {
         self.at(packet, monotonic_ns(), realtime_ns())
     }
 

@@ -135,7 +135,7 @@ pub fn stops_folder() -> Result<PathBuf, (String, String)> {
 
 impl Latch {
     /// The latch of an adapter or a driver unit.
-    pub fn of(hardware: &Hardware) -> Self {
+    pub fn new(hardware: &Hardware) -> Self {
         Self::within(&folder(), hardware)
     }
 

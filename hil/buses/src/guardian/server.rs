@@ -104,7 +104,7 @@ fn locks(watch: &Watch) -> Result<Vec<BusLock>, String> {
 fn arm(locks: &[BusLock]) -> Result<Vec<Armed>, String> {
     let mut armed = Vec::new();
     for lock in locks {
-        match Latch::of(lock.hardware()).arm(lock, ABANDONED) {
+        match Latch::new(lock.hardware()).arm(lock, ABANDONED) {
             Ok(record) => armed.push(record),
             Err(reason) => {
                 armed.iter().for_each(Armed::disarm);
@@ -147,7 +147,7 @@ impl Station {
         let locks = locks(watch).map_err(refused)?;
         // Under the locks: no other guardian is there that could latch.
         for lock in &locks {
-            if let Some(held) = Latch::of(lock.hardware()).read_locked(lock) {
+            if let Some(held) = Latch::new(lock.hardware()).read_locked(lock) {
                 return Err((word::LATCHED, held.refusal(lock.hardware())));
             }
         }

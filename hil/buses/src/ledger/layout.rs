@@ -69,7 +69,7 @@ impl Kept {
     }
 
     /// `None` for words that no program has written.
-    fn of(words: &[u64]) -> Option<Self> {
+    fn from_words(words: &[u64]) -> Option<Self> {
         let mut words = words.iter().copied();
         let mut word = || words.next().unwrap_or(ABSENT);
         let output = Output::of_word(word())?;
@@ -117,7 +117,7 @@ pub(super) fn wires(bytes: &[u8]) -> Option<Vec<Kept>> {
     let wires = words.chunks_exact(WORDS);
     let is_whole = wires.remainder().is_empty();
     wires
-        .map(Kept::of)
+        .map(Kept::from_words)
         .collect::<Option<_>>()
         .filter(|_| is_whole)
 }

@@ -34,7 +34,7 @@ pub(super) struct Definition {
 
 impl Definition {
     /// Reads a definition with those it needs behind it, each after a line of equals signs and its name.
-    pub(super) fn of(name: &str, text: &str) -> Self {
+    pub(super) fn parse(name: &str, text: &str) -> Self {
         let name = short(name);
         let mut messages: BTreeMap<String, Vec<Field>> = BTreeMap::new();
         let mut here = name.clone();

@@ -166,7 +166,7 @@ impl Lines for Messages {
         };
         if self.names.is_empty() {
             self.names = leaves.iter().map(|(name, _)| name.clone()).collect();
-            self.shape = Shape::of(&message.data, &self.names);
+            self.shape = Shape::find(&message.data, &self.names);
             text.extend(format!("time_ns,{}\n", self.names.join(",")).bytes());
         }
         let is_same = leaves.len() == self.names.len()
@@ -318,7 +318,7 @@ impl Records {
         let (name, encoding) = (bytes.text()?, bytes.text()?);
         if encoding == "ros2msg" {
             let text = bytes.text()?;
-            self.definitions.insert(id, Definition::of(&name, &text));
+            self.definitions.insert(id, Definition::parse(&name, &text));
         }
         Some(())
     }

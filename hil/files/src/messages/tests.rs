@@ -56,7 +56,7 @@ fn topic(
         let messages = Messages::open(&path, wanted).map_err(|e| e.to_string())?;
         let note = messages.note();
         let mut table = String::new();
-        let read = Made::of(messages).read_to_string(&mut table);
+        let read = Made::new(messages).read_to_string(&mut table);
         read.map_err(|e| e.to_string())?;
         Ok((table, note))
     };
@@ -136,7 +136,7 @@ fn the_topic_with_most_numbers_is_taken_and_json_is_read() {
 
 #[test]
 fn numbers_stand_at_multiples_of_their_width() {
-    let definition = Definition::of(
+    let definition = Definition::parse(
         "a/B",
         "bool on\nfloat64 t\nint8[2] pair\nuint8 K=1\nstring<=8 s\nC c\n===\nMSG: a/C\nint16 v\n",
     );

@@ -137,7 +137,7 @@ pub(super) fn driven(
             return Err(source.bad_found(&key, expected, "a joint"));
         }
         let joints = &scene.value.joints;
-        let of = |when| Gate::of(when, joints, &scene.source, &key);
+        let of = |when| Gate::new(when, joints, &scene.source, &key);
         file.when.as_ref().map(of).transpose()
     };
     let finger = |(index, file): (usize, &SceneFinger)| {

@@ -62,7 +62,7 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
     if is_cold {
         pass::set_passed(&mut setup);
     }
-    match UnitPlace::of(&setup.bench)? {
+    match UnitPlace::find(&setup.bench)? {
         None => {
             let (setup, heat) = Heat::alone(&setup)?;
             feel(

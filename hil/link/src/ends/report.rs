@@ -33,7 +33,7 @@ impl Report {
                 path.display()
             )));
         }
-        let outputs = Outputs::of(force);
+        let outputs = Outputs::new(force);
         outputs.check(path, Format::Html)?;
         Ok(Self {
             path: path.to_owned(),

@@ -177,7 +177,7 @@ impl Publishing<'_> {
         let (args, net) = (self.args, self.net);
         let is_emulated = self.setup.bench.value.kind == BenchKind::Emulated;
         let truth = match args.replay.is_empty() && is_emulated {
-            true => Truth::of(self.setup),
+            true => Truth::of_scene(self.setup),
             false => Truth::Unknown,
         };
         let shrunk = Shrunk::new(self.setup, args.on.seed, self.levels.clone(), truth)?;

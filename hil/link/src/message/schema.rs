@@ -10,13 +10,13 @@ use super::{About, Echo, Scanned, Touched, Truth, Wearer};
 /// All messages, those that others are made of first.
 fn all() -> [MessageSchema; 7] {
     [
-        MessageSchema::of(Contact::default()),
-        MessageSchema::of(Truth::default()),
-        MessageSchema::of(Touched::default()),
-        MessageSchema::of(Scanned::default()),
-        MessageSchema::of(Echo::default()),
-        MessageSchema::of(Wearer::default()),
-        MessageSchema::of(About::default()),
+        MessageSchema::describe(Contact::default()),
+        MessageSchema::describe(Truth::default()),
+        MessageSchema::describe(Touched::default()),
+        MessageSchema::describe(Scanned::default()),
+        MessageSchema::describe(Echo::default()),
+        MessageSchema::describe(Wearer::default()),
+        MessageSchema::describe(About::default()),
     ]
 }
 

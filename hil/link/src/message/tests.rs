@@ -154,10 +154,10 @@ fn an_empty_truth_is_another_than_none() {
 
 #[test]
 fn contacts_and_truth_have_the_fields_of_a_recording() {
-    let recorded = MessageSchema::of(event::Contact::default());
-    assert_eq!(MessageSchema::of(Contact::default()), recorded);
-    let recorded = MessageSchema::of(event::Truth::default());
-    assert_eq!(MessageSchema::of(Truth::default()), recorded);
+    let recorded = MessageSchema::describe(event::Contact::default());
+    assert_eq!(MessageSchema::describe(Contact::default()), recorded);
+    let recorded = MessageSchema::describe(event::Truth::default());
+    assert_eq!(MessageSchema::describe(Truth::default()), recorded);
 }
 
 #[test]

@@ -145,7 +145,7 @@ pub struct Net {
 /// [`NetError`] for addresses, certificates, and refusals of zenoh.
 pub fn open(at: &At, mode: Mode, signals: &Signals) -> Result<Net, NetError> {
     words::begin();
-    let planned = Planned::of(at, mode)?;
+    let planned = Planned::new(at, mode)?;
     let config = planned.config;
     let session = match &at.relay {
         None => zenoh::open(config).wait().map_err(zenoh)?,
@@ -193,7 +193,7 @@ fn until_expiry(lab: Lab, session: Session, tells: bool) -> Result<(), NetError>
 /// Opens a second session of an end that has one. It must not keep the first from its work: an error is told, and no
 /// more.
 pub fn open_beside(at: &At) -> Option<Session> {
-    let opened = Planned::of(&at.beside(), Mode::Peer).and_then(|planned| {
+    let opened = Planned::new(&at.beside(), Mode::Peer).and_then(|planned| {
         let session = zenoh::open(planned.config).wait().map_err(zenoh)?;
         if let Some(lab) = planned.lab {
             until_expiry(lab, session.clone(), false)?;
@@ -217,7 +217,7 @@ struct Planned {
 }
 
 impl Planned {
-    fn of(at: &At, mode: Mode) -> Result<Self, NetError> {
+    fn new(at: &At, mode: Mode) -> Result<Self, NetError> {
         let lab = at.keys.as_deref().map(Lab::member).transpose()?;
         let (listen, connect) = endpoints(at, lab.is_some())?;
         let mut settings = settings(mode.word(at.relay.is_some()), &listen, &connect);

@@ -93,7 +93,7 @@ pub(super) fn write(
     force: bool,
 ) -> Result<(), Failure> {
     make_folder(folder)?;
-    let outputs = Outputs::of(force);
+    let outputs = Outputs::new(force);
     outputs.write(&folder.join(name), Format::Contacts, |out| {
         write_header(&[], &mut *out)?;
         frames

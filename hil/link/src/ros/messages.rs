@@ -40,7 +40,7 @@ pub struct Stamp {
 impl Stamp {
     /// Stamp of nanoseconds since 1970, in this frame of reference.
     #[must_use]
-    pub fn of(unix_ns: i64, frame: &str) -> Self {
+    pub fn new(unix_ns: i64, frame: &str) -> Self {
         let (seconds, rest) = (
             unix_ns.div_euclid(1_000_000_000),
             unix_ns.rem_euclid(1_000_000_000),

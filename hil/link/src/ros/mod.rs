@@ -140,7 +140,7 @@ pub fn run(args: &RosArgs) -> Result<(), Failure> {
             let age_us = frame.head.sent_us.saturating_sub(frame.head.taken_us);
             let at =
                 unix_ns().saturating_sub(i64::try_from(age_us).unwrap_or(0).saturating_mul(1000));
-            let stamp = Stamp::of(at, &frame_id);
+            let stamp = Stamp::new(at, &frame_id);
             let strongest = contacts
                 .iter()
                 .max_by(|a, b| a.intensity.total_cmp(&b.intensity));

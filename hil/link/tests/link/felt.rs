@@ -49,7 +49,7 @@ fn linked(setup: &Setup, weather: Weather, seed: u64) -> Vec<Event> {
     let mut skin = skin::scene(setup, 1, None).unwrap();
     let levels = dynamic_levels(&setup.scene.value.compression);
     let mut shrunk = Shrunk::new(setup, 1, levels.clone(), Truth::Unknown).unwrap();
-    let mut session = HeldSession::held(setup, 1, levels, Truth::of(setup)).unwrap();
+    let mut session = HeldSession::held(setup, 1, levels, Truth::of_scene(setup)).unwrap();
     session.start(Instant::ZERO).unwrap();
     let (mut next_beat, mut sequence) = (0, 0);
     let end = (setup.scene.value.length_s * 1e6) as u64;

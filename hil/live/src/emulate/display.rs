@@ -35,7 +35,7 @@ impl ServedDisplay {
         Ok(Self {
             worn: wires::emulated(setup, plan::display(setup)?.wires())?,
             addresses: plan::boards(&setup.bench.value),
-            flowed: Flowed::of(&setup.bench.value.outputs),
+            flowed: Flowed::new(&setup.bench.value.outputs),
             last_edge: Nanos::ZERO,
             cut: false,
         })

@@ -177,7 +177,7 @@ impl WireRecord {
 
 impl Flowed {
     /// Wires on these outputs, none of them driven.
-    pub fn of(outputs: &[Output]) -> Self {
+    pub fn new(outputs: &[Output]) -> Self {
         let wires = outputs.iter().map(|o| WireRecord::new(o.board, o.channel));
         Self {
             wires: wires.collect(),

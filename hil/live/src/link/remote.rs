@@ -46,7 +46,7 @@ impl UnitPlace {
     ///
     /// # Errors
     /// [`Failure::Input`] for an address or key file that is none.
-    pub fn of(bench: &Loaded<Bench>) -> Result<Option<Self>, Failure> {
+    pub fn find(bench: &Loaded<Bench>) -> Result<Option<Self>, Failure> {
         let (Some(name), Some(path)) = (bench.value.unit_address(), bench.unit_key()) else {
             return Ok(None);
         };

@@ -89,7 +89,7 @@ pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
         let Ok(hardware) = Hardware::adapter(&bus.path) else {
             continue;
         };
-        if let Some(held) = Latch::of(&hardware).read() {
+        if let Some(held) = Latch::new(&hardware).read() {
             return Err(Failure::Guard(held.refusal(&hardware)));
         }
     }

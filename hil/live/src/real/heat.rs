@@ -80,7 +80,7 @@ fn way_out(bench: &Loaded<Bench>, wearers: &[&str]) -> String {
 pub fn forget(bench: &Loaded<Bench>, wearers: &[String]) -> Result<bool, Failure> {
     let mut hardware = of_adapters(bench)?;
     let mut worn: Vec<String> = hardware.iter().map(|name| of_boards(name)).collect();
-    hardware.extend(UnitPlace::of(bench)?.as_ref().map(of_unit));
+    hardware.extend(UnitPlace::find(bench)?.as_ref().map(of_unit));
     worn.extend(wearers.iter().map(|name| of_wearer(Some(name))));
     if wearers.is_empty() {
         worn.push(of_wearer(None));
@@ -117,7 +117,7 @@ impl Heat {
             .iter()
             .map(|name| of_wearer(name.as_deref()))
             .collect();
-        let hardware = match UnitPlace::of(bench)? {
+        let hardware = match UnitPlace::find(bench)? {
             Some(place) => HungOn::Unit(of_unit(&place)),
             None => HungOn::Adapters(of_adapters(bench)?),
         };

@@ -106,7 +106,7 @@ impl Watched for LinkEnd {
     /// A busy machine takes longer to prepare its loop than a session lasts unheard. From here on an end without a word is a
     /// stop.
     fn meet(&mut self) -> Result<(), Failure> {
-        let latch = Latch::of(self.lock.hardware());
+        let latch = Latch::new(self.lock.hardware());
         let armed = latch.arm(&self.lock, ABANDONED).map_err(Failure::Device)?;
         self.armed = Some(armed);
         self.unit.connect().map(drop).inspect_err(|_| self.disarm())

@@ -65,7 +65,7 @@ pub fn run(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     dies_at_once();
-    if UnitPlace::of(&setup.bench)?.is_none() {
+    if UnitPlace::find(&setup.bench)?.is_none() {
         refuse(setup, input, seed)?;
     }
     let (after, report) = passed(setup, input, seed, wanted)?;
@@ -127,7 +127,7 @@ fn run_once(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
-    match UnitPlace::of(&setup.bench)? {
+    match UnitPlace::find(&setup.bench)? {
         None => wired(setup, input, seed, signals, wanted),
         Some(place) => on_unit(setup, input, seed, &place, signals, wanted),
     }
@@ -159,7 +159,7 @@ fn wired(
 ) -> Result<Outcome, Failure> {
     let alone = refuse(setup, input, seed)?;
     let (planned, heat) = planned(setup, alone, seed)?;
-    let run = Run::of(setup, planned, signals, wanted)?;
+    let run = Run::new(setup, planned, signals, wanted)?;
     let (clock, keeps_can) = (RunClock::start(), run.keeps_can());
     let fingers = run.fingers();
     let skins = fingers.iter().map(|finger| {
@@ -270,7 +270,7 @@ pub fn open_outputs(
 /// # Errors
 /// [`Failure::Guard`] with the cause of the stop and the way to clear it.
 pub fn refuse_stopped(setup: &Setup) -> Result<(), Failure> {
-    match UnitPlace::of(&setup.bench)? {
+    match UnitPlace::find(&setup.bench)? {
         Some(place) => refuse_stopped_unit(&place),
         None => refuse_latched(&watch(&setup.bench.value, real_of(setup)?)),
     }
@@ -303,8 +303,8 @@ pub fn open_unit(
     unit.connect()?;
     let hardware = place.hardware();
     let lock = BusLock::take(&hardware).map_err(|e| Failure::Device(e.to_string()))?;
-    refuse_stop(place, Latch::of(&hardware).read_locked(&lock))?;
-    Ok(LinkEnd::new(unit, RemoteHeat::of(setup), heat, lock))
+    refuse_stop(place, Latch::new(&hardware).read_locked(&lock))?;
+    Ok(LinkEnd::new(unit, RemoteHeat::find(setup), heat, lock))
 }
 
 /// Delay from an onset to its effect on a bench's driver unit.
@@ -332,7 +332,7 @@ fn on_unit(
     }
     let (planned, heat) = planned(&setup, only(&setup), seed)?;
     let setup = &setup;
-    let run = Run::of(setup, planned, signals, wanted)?;
+    let run = Run::new(setup, planned, signals, wanted)?;
     let (keeps_can, layout) = (run.keeps_can(), plan::layout(&setup.sensor.value)?);
     let clock = RunClock::start();
     let (skin, end) = open_skin(setup, &layout, input, seed, clock, keeps_can)?;
@@ -342,7 +342,7 @@ fn on_unit(
 
 /// Refuses a unit while a stop of a run on it is kept, before it hears of this one.
 fn refuse_stopped_unit(place: &UnitPlace) -> Result<(), Failure> {
-    refuse_stop(place, Latch::of(&place.hardware()).look())
+    refuse_stop(place, Latch::new(&place.hardware()).look())
 }
 
 /// Refuses a unit of which this stop is kept.

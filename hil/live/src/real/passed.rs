@@ -12,7 +12,7 @@ const EARLIER: &str = "none: an earlier run has passed these wires since this ma
 
 /// Outputs that a setup drives, by the name of their hardware.
 fn outputs(setup: &Setup) -> Result<Vec<(String, Vec<Output>)>, Failure> {
-    let unit = UnitPlace::of(&setup.bench)?;
+    let unit = UnitPlace::find(&setup.bench)?;
     let names = match &unit {
         Some(place) => vec![of_unit(place)],
         None => of_adapters(&setup.bench)?,

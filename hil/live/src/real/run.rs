@@ -91,7 +91,7 @@ pub(super) struct Run<'a> {
 
 impl<'a> Run<'a> {
     /// Creates the records of fingers whose bench is not open yet.
-    pub(super) fn of(
+    pub(super) fn new(
         setup: &'a Setup,
         planned: Vec<Planned>,
         signals: Signals,
@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
         for ((planned, ends), taxels) in self.planned.into_iter().zip(ends).zip(self.taxels) {
             let truth = match planned.setup.bench.value.kind {
                 BenchKind::Real => Truth::Unknown,
-                BenchKind::Emulated => Truth::of(&planned.setup),
+                BenchKind::Emulated => Truth::of_scene(&planned.setup),
             };
             let driven = (planned.projector, planned.setup.scene.value.drives);
             let mut session = assemble(driven, ends, truth, taxels, watched);
@@ -293,7 +293,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     let session = &mut done.session;
     let costs = session.take_costs();
     let failure = session.take_failure();
-    let mut effort = Effort::of(&costs, session.traffic());
+    let mut effort = Effort::new(&costs, session.traffic());
     let ledger = Ledger {
         length_us: done.end.as_micros(),
         margins: exceeded(session.projector().guard()),
@@ -302,9 +302,9 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     let (trace, mut summary) = finished(session, header, ledger, &costs, &setup.bench.value);
     let (_, projector, recorder) = session.all();
     effort.finish(projector, recorder);
-    summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
+    summary.felt.asked = AskedLevel::find(&setup.scene.value, projector);
     let readings = recorder.readings.take();
-    let pass = PassEnd::of(projector, done.end, None);
+    let pass = PassEnd::find(projector, done.end, None);
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().tallies();
     summary.felt.state = Some(pass::state_of(setup));

@@ -26,7 +26,7 @@ impl Recorded {
     ///
     /// # Errors
     /// A recipe that cannot be, or that names no recording where it stands for one.
-    pub fn of(named: Option<&Path>, file: &Path) -> Result<Self, Failure> {
+    pub fn find(named: Option<&Path>, file: &Path) -> Result<Self, Failure> {
         let load = |path: &Path| load_recipe(&path.display().to_string());
         let is_recipe = |path: &Path| {
             let source = Source::open(path);
@@ -128,7 +128,7 @@ impl Recorded {
     pub fn plan(&self, layout: &SensorLayout) -> Result<Option<RecipePlan>, FileError> {
         let recipe = self.recipe.as_ref();
         recipe
-            .map(|recipe| RecipePlan::of(&recipe.value, &recipe.source, layout))
+            .map(|recipe| RecipePlan::new(&recipe.value, &recipe.source, layout))
             .transpose()
     }
 }
@@ -147,7 +147,7 @@ pub(super) fn by_recipe(
     if reading.recipe.is_some() || reading.prefix.is_some() || timing.column.is_some() {
         return Ok(None);
     }
-    let found = Recorded::of(None, path)?;
+    let found = Recorded::find(None, path)?;
     let Some(recipe) = found.plan(skin)? else {
         return Ok(None);
     };

@@ -87,14 +87,14 @@ impl Request {
             let mut fields = [httparse::EMPTY_HEADER; MOST_FIELDS];
             let mut parsed = httparse::Request::new(&mut fields);
             match parsed.parse(&head) {
-                Ok(status) if status.is_complete() => return Ok(Self::of(&parsed)),
+                Ok(status) if status.is_complete() => return Ok(Self::new(&parsed)),
                 Ok(_) if read > 0 && head.len() < MOST_HEAD => {}
                 _ => return Ok(None),
             }
         }
     }
 
-    fn of(parsed: &httparse::Request<'_, '_>) -> Option<Self> {
+    fn new(parsed: &httparse::Request<'_, '_>) -> Option<Self> {
         let field = |name: &str| {
             let mut same = parsed
                 .headers

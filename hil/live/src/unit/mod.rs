@@ -63,7 +63,7 @@ impl Datagrams for Link {
     }
 
     fn send(&mut self, datagram: &[u8], to: SocketAddr) {
-        if Kind::of(datagram) == Some(Kind::Status) {
+        if Kind::stated_in(datagram) == Some(Kind::Status) {
             self.host = to;
         }
         self.socket.send(datagram, to);

@@ -354,7 +354,7 @@ impl<'a> Visit<'a> for MessageSchema {
 
 impl MessageSchema {
     /// The fields that a message shows.
-    pub fn of<'a, T: Described<'a>>(mut message: T) -> Self {
+    pub fn describe<'a, T: Described<'a>>(mut message: T) -> Self {
         let (name, fields) = (T::NAME, Vec::new());
         let mut schema = Self { name, fields };
         message.fields(&mut schema);
@@ -400,6 +400,6 @@ pub fn full_name<'a, T: Described<'a>>() -> String {
 /// Writes the schema of a message, a `google.protobuf.FileDescriptorSet` of it alone; returns its number.
 pub(super) fn schema<'a, T: Described<'a>>(store: &mut impl Store, of: T) -> io::Result<u16> {
     let file = format!("{PACKAGE}/{}.proto", T::NAME);
-    let set = descriptor_set(&file, &[MessageSchema::of(of)]);
+    let set = descriptor_set(&file, &[MessageSchema::describe(of)]);
     store.schema(&full_name::<T>(), &set)
 }

@@ -395,7 +395,7 @@ impl Contents {
                 };
                 let begin: String = topic.chars().take(60).collect();
                 if let Some(run) = &mut self.run {
-                    run.topics.insert(id, Topic::of(&begin));
+                    run.topics.insert(id, Topic::named(&begin));
                 }
                 self.channels.insert(id, (begin, content));
                 Some(())

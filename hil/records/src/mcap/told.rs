@@ -52,7 +52,7 @@ pub(super) struct Topic {
 }
 
 impl Topic {
-    pub(super) fn of(name: &str) -> Self {
+    pub(super) fn named(name: &str) -> Self {
         let (mut what, mut number) = (Vec::new(), 0);
         for part in name.split('/') {
             // Modules and wires alone are numbered.

@@ -88,7 +88,7 @@ fn what_is_no_message_of_its_topic_is_left_out() {
         ("/taxels/0", &[0x22, 0x03, 0x80, 0x80, 0x40]),
     ];
     for (name, message) in damaged {
-        assert_eq!(Topic::of(name).read(0, message), None, "{name}");
+        assert_eq!(Topic::named(name).read(0, message), None, "{name}");
     }
     for name in [
         "/wire/x/pin",
@@ -99,6 +99,6 @@ fn what_is_no_message_of_its_topic_is_left_out() {
         "/frames/7",
         "/3/contacts",
     ] {
-        assert_eq!(Topic::of(name).read(0, &[0x08]), Some(None), "{name}");
+        assert_eq!(Topic::named(name).read(0, &[0x08]), Some(None), "{name}");
     }
 }

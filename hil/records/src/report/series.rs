@@ -84,7 +84,7 @@ fn times_panel(
     if let Some(scan) = scan {
         plot.bound(scan, "bound", &format!("scan {:.1} ms", scan / 1000.0));
     }
-    let time = FrameTime::of(frame_us.iter().copied());
+    let time = FrameTime::summarise(frame_us.iter().copied());
     if let Some(median) = time.map(|t| t.median).filter(|us| *us > 0.0) {
         plot.bound(median, "median", &format!("median {median:.2} us"));
     }

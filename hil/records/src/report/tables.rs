@@ -213,7 +213,7 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         most.max().unwrap_or(0).to_string(),
         "",
     ));
-    let times = FrameTime::of(extras.frame_us.iter().copied());
+    let times = FrameTime::summarise(extras.frame_us.iter().copied());
     let time = |pick: fn(FrameTime) -> f64| {
         times.map_or_else(|| "\u{2013}".to_owned(), |t| format!("{:.2}", pick(t)))
     };

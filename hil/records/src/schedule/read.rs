@@ -100,7 +100,7 @@ pub fn read_schedule(
     let pre_scale = header.divided(header.pre_scale.unwrap_or_default());
     Ok(Trace {
         header: Header {
-            source: Source::of(&header.source).unwrap_or(Source::Emulated),
+            source: Source::named(&header.source).unwrap_or(Source::Emulated),
             scene: header.scene.into_owned(),
             bench: header.bench.into_owned(),
             seed: header.seed,
@@ -189,7 +189,7 @@ const LONGEST_US: u64 = 2 * 86_400_000_000;
 /// Refuses a header that no chip could have played.
 fn check(header: &HeaderLine<'_>) -> Result<(), Damage> {
     let wrong = |expected: &str, found: String| Err(Damage::of_line(1, expected, &found));
-    if !header.source.is_empty() && Source::of(&header.source).is_none() {
+    if !header.source.is_empty() && Source::named(&header.source).is_none() {
         let found = format!("source {}", header.source);
         return wrong("a source: emulated, real, observed", found);
     }

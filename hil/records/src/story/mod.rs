@@ -138,7 +138,7 @@ impl Story {
             happenings: Vec::new(),
             happenings_untold: 0,
             figures: Vec::new(),
-            table: Table::of(kind),
+            table: Table::new(kind),
             bursts: Vec::new(),
             bursts_untold: 0,
             digests: BTreeMap::new(),

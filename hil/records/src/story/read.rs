@@ -205,7 +205,7 @@ fn title(reader: &mut Reader<'_>) -> Result<Story, Damage> {
     reader.next += 1;
     // A title is cut where the scene's name is too long.
     let known = scene.rsplit_once(" (").and_then(|(scene, word)| {
-        let source = Source::of(word.strip_suffix(')')?)?;
+        let source = Source::named(word.strip_suffix(')')?)?;
         Some((scene, source))
     });
     let (scene, source) = known.unwrap_or((scene, Source::Emulated));

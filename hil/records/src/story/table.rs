@@ -96,7 +96,7 @@ impl Column {
 
 impl Table {
     /// The empty table of a kind of golden.
-    pub(super) const fn of(kind: GoldenKind) -> Self {
+    pub(super) const fn new(kind: GoldenKind) -> Self {
         Self {
             columns: match kind {
                 GoldenKind::Schedule => WIRES,

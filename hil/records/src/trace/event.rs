@@ -310,13 +310,13 @@ impl Event {
 /// Content of the events of one variant.
 pub trait EventKind: Sized {
     /// Content of this event; `None` for an event of another variant.
-    fn of(event: &Event) -> Option<&Self>;
+    fn content(event: &Event) -> Option<&Self>;
 }
 
 macro_rules! kinds {
     ($($variant:ident($kind:ty))*) => {$(
         impl EventKind for $kind {
-            fn of(event: &Event) -> Option<&Self> {
+            fn content(event: &Event) -> Option<&Self> {
                 match event {
                     Event::$variant(own) => Some(own),
                     _ => None,
@@ -335,7 +335,7 @@ kinds! {
 pub fn each<'a, K: EventKind + 'a>(
     events: &'a [Event],
 ) -> impl DoubleEndedIterator<Item = &'a K> + Clone {
-    events.iter().filter_map(K::of)
+    events.iter().filter_map(K::content)
 }
 
 /// Sorts events by their time; those of one time stay in their order.

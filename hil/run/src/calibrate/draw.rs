@@ -133,7 +133,7 @@ impl Draws {
             let rows: Vec<_> = rows_of(evidence, measured).collect();
             let alone: Vec<&EvidenceRow> = rows.iter().map(|(.., row)| *row).collect();
             let without = || bench_prior(quantity, bench).filter(|_| !alone.is_empty());
-            let Some(prior) = priors.of(quantity).or_else(without) else {
+            let Some(prior) = priors.prior(quantity).or_else(without) else {
                 return Ok(None);
             };
             let found = Marginal::new(prior, &alone);
@@ -158,7 +158,7 @@ impl Draws {
         if let Some((file, index, row)) = rows_of(evidence, Quantity::Stress).next()
             && loose + taut <= 0.0
         {
-            let prior = priors.of(Quantity::Stress).unwrap_or(Prior::Known(0.0));
+            let prior = priors.prior(Quantity::Stress).unwrap_or(Prior::Known(0.0));
             return Err(nowhere(file, index, row, prior));
         }
         let strains = rows_of(evidence, Quantity::Strain).map(|(.., row)| row.clone());

@@ -149,7 +149,7 @@ impl Calibration {
         *vibration = of(Quantity::Vibration, *vibration);
         let flutter = &mut person.flutter.threshold_um.value;
         *flutter = of(Quantity::Flutter, *flutter);
-        let log_weights = self.weights.of(&draw, &wire, &tissue, person)?;
+        let log_weights = self.weights.logs(&draw, &wire, &tissue, person)?;
         let mut figures = Drawn {
             draw,
             log_weights,

@@ -99,7 +99,7 @@ pub fn percentiles(values: impl Iterator<Item = f64>, weights: &[f64]) -> [f64; 
 
 impl Posterior {
     /// Percentiles of draws.
-    pub fn of(drawn: &[Drawn]) -> Self {
+    pub fn new(drawn: &[Drawn]) -> Self {
         let own = weights(drawn.iter().map(|d| d.draw.log_weight));
         let all = |d: &Drawn| d.draw.log_weight + d.log_weights.iter().sum::<f64>();
         let after = weights(drawn.iter().map(all));

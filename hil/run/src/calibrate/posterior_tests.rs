@@ -27,7 +27,7 @@ fn weights_move_percentiles_and_cost_draws() {
             drawn(level, if level < 0.0 { -700.0 } else { -800.0 })
         })
         .collect();
-    let of = Posterior::of(&all);
+    let of = Posterior::new(&all);
     assert!((of.before.level_db[1]).abs() < 0.05 && (of.before.felt - 0.5).abs() < 0.002);
     // Weights of e^-100 and of numbers without an exponent count by their ratios.
     assert!((of.effective - 500.0).abs() < 1e-6, "{}", of.effective);
@@ -42,8 +42,8 @@ fn weights_move_percentiles_and_cost_draws() {
 
 #[test]
 fn no_draws_and_weights_of_nothing_are_no_numbers() {
-    let none = Posterior::of(&[]);
+    let none = Posterior::new(&[]);
     assert!(none.effective == 0.0 && none.after.level_db.iter().all(|db| *db == 0.0));
-    let nothing = Posterior::of(&[drawn(1.0, f64::NEG_INFINITY), drawn(2.0, f64::NEG_INFINITY)]);
+    let nothing = Posterior::new(&[drawn(1.0, f64::NEG_INFINITY), drawn(2.0, f64::NEG_INFINITY)]);
     assert!(nothing.effective == 0.0 && nothing.after.felt == 0.0);
 }

@@ -188,7 +188,7 @@ fn a_wire_that_was_identified_narrows_the_band() {
         let calibration = calibration(evidence);
         let drawn = |n| calibration.drawn(n, &mut ()).unwrap();
         let drawn: Vec<Drawn> = (0..120).map(drawn).collect();
-        Posterior::of(&drawn)
+        Posterior::new(&drawn)
     };
     let before = band(std::slice::from_ref(&published));
     let after = band(&[published, identified]);

@@ -77,7 +77,7 @@ impl Weights {
     ///
     /// # Errors
     /// A person that cannot be.
-    pub(super) fn of(
+    pub(super) fn logs(
         &self,
         draw: &Draw,
         own: &WireParameters,

@@ -40,7 +40,7 @@ pub(crate) struct EmulatedHeat {
 
 impl EmulatedHeat {
     /// The module of a setup's bench, if it has one.
-    pub(crate) fn of(setup: &Setup) -> Option<Self> {
+    pub(crate) fn find(setup: &Setup) -> Option<Self> {
         let heat = setup.bench.value.heat?;
         let (parameters, thermistor) = (heat.parameters(), Thermistor::default());
         let regulator = Regulator::new(parameters, thermistor);
@@ -49,7 +49,7 @@ impl EmulatedHeat {
             module: PeltierHandle::new(Peltier::new(parameters, thermistor, heat.air_c)),
             regulated: match setup.bench.value.unit {
                 None => Regulated::Here(Box::new(regulator.clone()), materials.clone()),
-                Some(_) => Regulated::ByUnit(Box::new(RemoteHeat::of(setup)?)),
+                Some(_) => Regulated::ByUnit(Box::new(RemoteHeat::find(setup)?)),
             },
             regulator,
             account: Account::default(),

@@ -55,7 +55,7 @@ fn celsius(mc: u16) -> f64 {
 impl RemoteHeat {
     /// The host's part for a setup; `None` where its bench has no module.
     #[must_use]
-    pub fn of(setup: &Setup) -> Option<Self> {
+    pub fn find(setup: &Setup) -> Option<Self> {
         Some(Self {
             materials: setup.scene.value.materials.clone(),
             parameters: setup.bench.value.heat?.parameters(),

@@ -28,7 +28,7 @@ pub struct PassEnd {
 impl PassEnd {
     /// The end of a loop's pass at this time; `None` for a loop that made none.
     #[must_use]
-    pub fn of(projector: &Projector, end: Instant, martensite: Option<f64>) -> Option<Self> {
+    pub fn find(projector: &Projector, end: Instant, martensite: Option<f64>) -> Option<Self> {
         let passing = projector.passing()?;
         let refused = passing.refused().map(|(wire, entry)| {
             let reason = entry.reason.map_or("shortened", Reason::word);

@@ -152,7 +152,7 @@ fn render(
 ) -> Result<RenderSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
     let bad = |e: IllusionError| Failure::File(setup.scene.source.bad(key(e), e.to_string()));
-    let felt = responses.of(setup, guard, &pattern)?;
+    let felt = responses.response(setup, guard, &pattern)?;
     let mut settings = RenderSettings {
         law: inverse(display, &settings(illusion)).map_err(bad)?,
         style: illusion.render,

@@ -127,7 +127,7 @@ pub struct Responses(RefCell<Vec<(Question, FeltResponse)>>);
 
 impl Responses {
     /// The response of a setup's wire, by what the loop believes of its wearer.
-    pub(super) fn of(
+    pub(super) fn response(
         &self,
         setup: &Setup,
         guard: &Guard,
@@ -175,7 +175,7 @@ impl Responses {
         if let Some((_, felt)) = known.iter().find(|(asked, _)| *asked == question) {
             return Ok(felt.clone());
         }
-        let felt = response(&Bursts::of(setup, planned, question.person)?, &question);
+        let felt = response(&Bursts::worn(setup, planned, question.person)?, &question);
         known.push((question, felt.clone()));
         Ok(felt)
     }
@@ -217,11 +217,11 @@ pub(crate) struct Bursts {
 impl Bursts {
     /// Bursts of a setup's emulated wire and current on `person`.
     pub fn new(setup: &Setup, person: Person) -> Result<Self, Failure> {
-        Self::of(setup, super::worn(setup), person)
+        Self::worn(setup, super::worn(setup), person)
     }
 
     /// Bursts of any wire on any finger with a setup's current.
-    fn of(
+    fn worn(
         setup: &Setup,
         worn: (WireParameters, TissueParameters),
         person: Person,

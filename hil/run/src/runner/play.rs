@@ -209,7 +209,7 @@ impl<'a, D: EmulatedEnd> Finger<'a, D> {
         let (setup, session) = (self.run.setup, &mut self.session);
         let costs = session.take_costs();
         let failure = session.take_failure();
-        let mut effort = Effort::of(&costs, session.traffic());
+        let mut effort = Effort::new(&costs, session.traffic());
         effort.calibrated = known_levels(&setup.scene.value.compression).is_none();
         let (display, projector, _) = session.all();
         let (ledger, warmth) = display.ledger(projector.guard().limits(), end);

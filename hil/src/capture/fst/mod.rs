@@ -64,7 +64,7 @@ struct Clock {
 
 impl Clock {
     /// Reads a header.
-    fn of(header: &[u8]) -> Option<Self> {
+    fn read(header: &[u8]) -> Option<Self> {
         let mut header = Bytes(header);
         header.take(8)?;
         let (zero, end) = (header.wide()?, header.wide()?);
@@ -232,7 +232,7 @@ impl<R: Read + Seek> Dump<R> {
     fn declared(mut source: Source<R>, blocks: &[Block]) -> Result<Self, Wrong> {
         let header = only(blocks, &[HEADER], "one header")?;
         let clock = match header.2 == HEADER_LENGTH {
-            true => Clock::of(&source.part(header.1, header.2)?),
+            true => Clock::read(&source.part(header.1, header.2)?),
             false => None,
         };
         let clock = clock.ok_or_else(|| damaged("a header with a time scale from fs to 100 s"))?;

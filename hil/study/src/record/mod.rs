@@ -236,7 +236,7 @@ impl Interval {
 impl Played {
     /// A trial before its first interval.
     #[must_use]
-    pub fn of(trial: &Trial) -> Self {
+    pub fn new(trial: &Trial) -> Self {
         Self {
             number: trial.number,
             attempt: trial.attempt,

@@ -76,7 +76,7 @@ fn lines(trials: u64) -> Vec<Line> {
             trial: Some(Played {
                 intervals: vec![interval],
                 asked_ms: began_ms + 2000,
-                ..Played::of(&trial)
+                ..Played::new(&trial)
             }),
         }));
     }
@@ -215,7 +215,7 @@ fn what_was_booked_and_has_no_reply_is_open() {
         reply: Reply::Void(KILLED.into()),
         trial: Some(Played {
             intervals: record.open(),
-            ..Played::of(&trial)
+            ..Played::new(&trial)
         }),
     }));
     assert!(goes_on(&all) && read(&all).open().is_empty());

@@ -9,7 +9,7 @@ const ALL: [Order; 4] = [
     Order::AsListed,
 ];
 
-fn of(order: Order, things: usize, repeats: u32, participant: u32) -> Vec<usize> {
+fn shown(order: Order, things: usize, repeats: u32, participant: u32) -> Vec<usize> {
     let mut random = RandomStream::new(7, &format!("order of {participant}"));
     ordered(order, (things, repeats), participant, &mut random)
 }
@@ -18,7 +18,7 @@ fn of(order: Order, things: usize, repeats: u32, participant: u32) -> Vec<usize>
 fn each_thing_comes_as_often_as_stated() {
     for order in ALL {
         for (things, repeats) in [(1, 1), (1, 5), (2, 3), (5, 4), (8, 3)] {
-            let order = of(order, things, repeats, 3);
+            let order = shown(order, things, repeats, 3);
             assert_eq!(order.len(), things * repeats as usize);
             for thing in 0..things {
                 let times = order.iter().filter(|t| **t == thing).count();
@@ -31,13 +31,13 @@ fn each_thing_comes_as_often_as_stated() {
 #[test]
 fn in_blocks_each_comes_before_any_comes_again() {
     for order in [Order::Blocks, Order::LatinSquare, Order::AsListed] {
-        for block in of(order, 6, 5, 2).chunks(6) {
+        for block in shown(order, 6, 5, 2).chunks(6) {
             let mut sorted = block.to_vec();
             sorted.sort_unstable();
             assert_eq!(sorted, [0, 1, 2, 3, 4, 5]);
         }
     }
-    let shuffled = of(Order::Shuffle, 6, 5, 2);
+    let shuffled = shown(Order::Shuffle, 6, 5, 2);
     let whole = |block: &[usize]| (0..6).all(|t| block.contains(&t));
     assert!(!shuffled.chunks(6).all(whole), "{shuffled:?}");
 }
@@ -48,7 +48,7 @@ fn in_a_latin_square_each_follows_each_other_one_equally_often() {
         let rows = if things % 2 == 0 { things } else { 2 * things };
         let mut follows = vec![0; things * things];
         for participant in 1..=rows as u32 {
-            for pair in of(Order::LatinSquare, things, 1, participant).windows(2) {
+            for pair in shown(Order::LatinSquare, things, 1, participant).windows(2) {
                 follows[pair[0] * things + pair[1]] += 1;
             }
         }
@@ -63,7 +63,7 @@ fn in_a_latin_square_each_follows_each_other_one_equally_often() {
 #[test]
 fn participants_have_orders_of_their_own() {
     for order in [Order::Blocks, Order::Shuffle, Order::LatinSquare] {
-        assert_eq!(of(order, 8, 2, 1), of(order, 8, 2, 1));
-        assert_ne!(of(order, 8, 2, 1), of(order, 8, 2, 2));
+        assert_eq!(shown(order, 8, 2, 1), shown(order, 8, 2, 1));
+        assert_ne!(shown(order, 8, 2, 1), shown(order, 8, 2, 2));
     }
 }

@@ -21,7 +21,7 @@ const GAP: f64 = 74.0;
 
 /// Draws one box around `x`, pixels.
 fn draw_box(svg: &mut Svg, plot: &Plot, x: f64, ratings: &[u8], class: &str) {
-    let Some(found) = Box5::of(ratings) else {
+    let Some(found) = Box5::new(ratings) else {
         return;
     };
     let half = 9.0;

@@ -24,7 +24,7 @@ pub struct Box5 {
 
 impl Box5 {
     /// Box of some ratings; `None` for none.
-    pub fn of(ratings: &[u8]) -> Option<Self> {
+    pub fn new(ratings: &[u8]) -> Option<Self> {
         let mut sorted = ratings.to_vec();
         sorted.sort_unstable();
         let at = |part| quantile(&sorted, part).map(Quantile::between);

@@ -22,7 +22,7 @@ fn mann_whitney_is_scipys() {
 
 #[test]
 fn boxes_have_linear_quartiles_and_outliers() {
-    let found = Box5::of(&[3, 3, 4, 4, 4, 5, 6, 1, 4, 4, 3, 4]).unwrap();
+    let found = Box5::new(&[3, 3, 4, 4, 4, 5, 6, 1, 4, 4, 3, 4]).unwrap();
     let expected = Box5 {
         low: 3.0,
         q1: 3.0,
@@ -32,7 +32,7 @@ fn boxes_have_linear_quartiles_and_outliers() {
         outliers: vec![1, 6],
     };
     assert_eq!(found, expected);
-    let even = Box5::of(&[1, 2, 3, 4]).unwrap();
+    let even = Box5::new(&[1, 2, 3, 4]).unwrap();
     assert_eq!((even.q1, even.median, even.q3), (1.75, 2.5, 3.25));
-    assert_eq!(Box5::of(&[]), None);
+    assert_eq!(Box5::new(&[]), None);
 }

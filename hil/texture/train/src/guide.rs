@@ -18,7 +18,7 @@ pub struct Guide {
 impl Guide {
     /// Guide of the training recordings' windows, with as many components as the latent vector has.
     pub fn new(windows: &Windows, train: &[usize], latent: usize) -> Self {
-        let rows = matrix(windows, &windows.of(train, 4));
+        let rows = matrix(windows, &windows.places(train, 4));
         let components = Components::fit(&rows, latent);
         let deviations = components.scores(&rows).std_axis(ndarray::Axis(0), 0.0);
         let reach: Vec<f32> = deviations

@@ -71,7 +71,7 @@ pub fn drivers(
     train: &[usize],
     (known, heads): (&LabelFacts, bool),
 ) -> Latent {
-    let places = windows.of(train, if heads { MATERIALS_HOP } else { 4 });
+    let places = windows.places(train, if heads { MATERIALS_HOP } else { 4 });
     let latents = latents(network, windows, &places);
     let Some(width) = latents.first().map(Vec::len) else {
         return Latent::default();
@@ -151,7 +151,7 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
     add("scale.min", vec![features], windows.scale.min.clone());
     add("scale.max", vec![features], windows.scale.max.clone());
     // The golden vector: the first window of the first test recording.
-    let golden = windows.of(&about.split.test, 1).first().copied();
+    let golden = windows.places(&about.split.test, 1).first().copied();
     let golden = golden
         .ok_or_else(|| Failure::Usage("no test recording to take a golden vector from".into()))?;
     let latent = latents(network, windows, &[golden]).swap_remove(0);

@@ -45,12 +45,12 @@ pub fn run(
     let (network, progress) = training::train(windows, split, known, settings, folder, says)?;
     drop(shown);
     let heads = settings.heads > 0.0;
-    let test = windows.of(&split.test, if heads { training::MATERIALS_HOP } else { 1 });
+    let test = windows.places(&split.test, if heads { training::MATERIALS_HOP } else { 1 });
     let decodes = settings.decode > 0.0;
     let test_error = decodes.then(|| training::reconstruction(&network, windows, &test));
     let latent = model_file::drivers(&network, windows, &split.train, (known, heads));
     let peers = (!heads).then(|| {
-        let seen = measure::matrix(windows, &windows.of(&split.train, 4));
+        let seen = measure::matrix(windows, &windows.places(&split.train, 4));
         peers(&seen, settings.latent)
     });
     let figures = json!({
@@ -73,7 +73,7 @@ pub fn run(
             })
         }),
         "unseen": (decodes && !split.unseen.is_empty()).then(|| {
-            let unseen = windows.of(&split.unseen, 4);
+            let unseen = windows.places(&split.unseen, 4);
             training::reconstruction(&network, windows, &unseen)
         }),
         "neighbours": peers.map(|peers| by_neighbours(&network, windows, split, &peers)),
@@ -112,7 +112,7 @@ fn against_others(
     network: f64,
     peers: &[(String, Components)],
 ) -> Value {
-    let asked = measure::matrix(windows, &windows.of(&split.test, 1));
+    let asked = measure::matrix(windows, &windows.places(&split.test, 1));
     let mut errors = Map::from_iter([("network".to_owned(), json!(network))]);
     for (name, components) in peers {
         errors.insert("mean".to_owned(), json!(components.error_of_mean(&asked)));
@@ -134,7 +134,7 @@ fn by_neighbours(
     let labels = windows.recordings.labels();
     let points = |part: &[usize], codes: Codes<'_>| -> Vec<(Vec<f32>, usize)> {
         let point = |&recording: &usize| {
-            let all = codes(&windows.of(&[recording], 5));
+            let all = codes(&windows.places(&[recording], 5));
             let label = labels
                 .binary_search(&windows.recordings.all[recording].label)
                 .ok()?;

@@ -90,14 +90,14 @@ fn train_on<L: Learning>(
     if let Some(path) = path.as_deref().filter(|path| path.exists()) {
         state = state.read(path, settings, &device)?;
     }
-    let places = windows.of(&split.train, settings.hop);
+    let places = windows.places(&split.train, settings.hop);
     let is_tied = settings.heads > 0.0 || settings.codes > 0.0;
     let hop = if settings.heads > 0.0 {
         MATERIALS_HOP
     } else {
         VALIDATION_HOP
     };
-    let validation = windows.of(&split.validation, hop);
+    let validation = windows.places(&split.validation, hop);
     if places.is_empty() || validation.is_empty() {
         return Err(Failure::Usage(format!(
             "no window of {} rows in the training or validation recordings: shorten --window or change --split",

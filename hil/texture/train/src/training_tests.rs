@@ -92,7 +92,7 @@ fn misses(align: f64) -> [f32; 2] {
         ..settings(20)
     };
     let (network, _) = train(&windows, &split, &known, &settings, None, |_| true).unwrap();
-    let places = windows.of(&split.train, 1);
+    let places = windows.places(&split.train, 1);
     let on = |label: &str| {
         if label == "rough" {
             [0.45, -0.15]
@@ -177,7 +177,7 @@ fn a_training_by_codes_parts_labels_in_every_coordinate() {
         ..settings(20)
     };
     let (network, _) = train(&windows, &split, &known, &settings, None, |_| true).unwrap();
-    let places = windows.of(&split.test, 1);
+    let places = windows.places(&split.test, 1);
     let z = latents(&network, &windows, &places);
     let labels = places.iter().map(|&p| windows.recording(p).label.as_str());
     for (z, label) in z.iter().zip(labels) {
@@ -224,7 +224,7 @@ fn an_interrupted_run_ends_where_an_uninterrupted_one_does() {
 #[test]
 fn a_guided_latent_vector_goes_with_the_principal_components() {
     let (windows, split, known) = small();
-    let places = windows.of(&split.train, 1);
+    let places = windows.places(&split.train, 1);
     let guide = Guide::new(&windows, &split.train, 3);
     let wanted = guide.latents::<Plain>(&windows, &places, &Default::default());
     let wanted: Vec<f32> = wanted.into_data().into_vec().unwrap();
@@ -258,7 +258,7 @@ fn without_ratings_roughness_is_what_buzzes() {
     let found = unrated.roughness.unwrap();
     assert!(found.with == "buzz" && found.z_lo < found.z_hi);
     // as the definition says: the mean step of each feature by its range
-    let places = windows.of(&split.train, 4);
+    let places = windows.places(&split.train, 4);
     let buzz: Vec<f64> = places
         .iter()
         .map(|&p| {
@@ -304,7 +304,7 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     let model = TextureModel::parse("test", &bytes).unwrap();
     assert_eq!(model.feature_names(), windows.recordings.columns);
     assert_eq!((model.window(), model.latents()), (12, 3));
-    let golden = windows.of(&split.test, 1)[0];
+    let golden = windows.places(&split.test, 1)[0];
     let found = latents(&network, &windows, &[golden]).swap_remove(0);
     let expected = model.with(|m| reference::encode(m, windows.raw(golden)));
     assert_eq!(expected.len(), 3);
@@ -319,7 +319,7 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     let driver = &latent["roughness"];
     assert!(driver["z_lo"].as_f64() < driver["z_hi"].as_f64());
     // No other coordinate goes with the ratings better.
-    let places = windows.of(&split.train, 4);
+    let places = windows.places(&split.train, 4);
     let rated: Vec<f64> = places
         .iter()
         .map(|p| {

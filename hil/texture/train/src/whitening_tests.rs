@@ -40,7 +40,7 @@ fn a_folded_network_takes_plain_readings() {
     let whitening = Whitening::new(&windows, &split.train);
     let whitened = whitening.whitened(&windows);
     let network = Network::<Plain>::new(4, 3, 12, 5, &Default::default());
-    let places = windows.of(&split.test, 3);
+    let places = windows.places(&split.test, 3);
     let before = latents(&network, &whitened, &places);
     let decoded = |network: &Network<Plain>, windows: &Windows| -> Vec<f32> {
         let z = network.encode(windows.batch::<Plain>(&places, &Default::default()));

@@ -141,7 +141,7 @@ pub struct Windows {
 
 impl Windows {
     /// The windows of these recordings, `hop` rows apart; a recording shorter than a window has none.
-    pub fn of(&self, part: &[usize], hop: usize) -> Vec<Place> {
+    pub fn places(&self, part: &[usize], hop: usize) -> Vec<Place> {
         let of = |&recording: &usize| {
             let rows = self.recordings.rows(&self.recordings.all[recording]);
             let count = (rows + 1).saturating_sub(self.length);

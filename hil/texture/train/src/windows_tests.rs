@@ -67,9 +67,9 @@ fn windows_are_scaled_by_feature_and_begin_at_zero() {
         scale,
         length: 10,
     };
-    assert_eq!(windows.of(&part, 1).len(), 2 * 91);
-    assert_eq!(windows.of(&part, 9).len(), 2 * 11);
-    let places = windows.of(&part, 30);
+    assert_eq!(windows.places(&part, 1).len(), 2 * 91);
+    assert_eq!(windows.places(&part, 9).len(), 2 * 11);
+    let places = windows.places(&part, 30);
     let batch = windows.batch::<burn::backend::NdArray>(&places, &Default::default());
     let [steps, count, features] = batch.dims();
     assert_eq!([steps, count, features], [10, 8, 3]);
@@ -103,7 +103,8 @@ fn a_feature_that_never_changes_is_zero() {
         scale,
         length: 20,
     };
-    let batch = windows.batch::<burn::backend::NdArray>(&windows.of(&[0], 1), &Default::default());
+    let batch =
+        windows.batch::<burn::backend::NdArray>(&windows.places(&[0], 1), &Default::default());
     assert!(
         batch
             .into_data()

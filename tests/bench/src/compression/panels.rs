@@ -55,7 +55,7 @@ struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
-    fn of(outcome: &'a Outcome) -> Option<Self> {
+    fn new(outcome: &'a Outcome) -> Option<Self> {
         Some(Self {
             readings: outcome.readings.as_ref()?,
             in_contact: in_contact(outcome),
@@ -77,7 +77,7 @@ impl<'a> Frames<'a> {
 
 /// Figure 4.5-A's edges: how all pressure, and all contacts, are spread along x and along y.
 pub(super) fn edges(findings: &mut Findings, name: &str, title: &str, outcome: &Outcome) {
-    let Some(frames) = Frames::of(outcome) else {
+    let Some(frames) = Frames::new(outcome) else {
         return;
     };
     let Some(module) = frames.readings.modules().first() else {
@@ -146,7 +146,7 @@ fn share(axis: &mut BTreeMap<i32, f64>, at: i32) {
 /// Figure 4.5-B, and the top of 4.7: readouts as a histogram of 24 bars, those in contact apart, with the levels' mean
 /// intensities below.
 pub(super) fn histogram(findings: &mut Findings, name: &str, title: &str, outcome: &Outcome) {
-    let Some(frames) = Frames::of(outcome) else {
+    let Some(frames) = Frames::new(outcome) else {
         return;
     };
     let (mut active, mut idle) = (Vec::new(), Vec::new());
@@ -198,7 +198,7 @@ pub(super) fn histogram(findings: &mut Findings, name: &str, title: &str, outcom
 
 /// Figure 4.5-C: raw magnitudes over time, with the first contact and the fullest frame.
 pub(super) fn raw(findings: &mut Findings, name: &str, title: &str, outcome: &Outcome) {
-    let Some(frames) = Frames::of(outcome) else {
+    let Some(frames) = Frames::new(outcome) else {
         return;
     };
     let mut taxels: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -227,7 +227,7 @@ pub(super) fn fullest(
     title: &str,
     (outcome, clusters): (&Outcome, &[(u32, Outcome)]),
 ) {
-    let Some(frames) = Frames::of(outcome) else {
+    let Some(frames) = Frames::new(outcome) else {
         return;
     };
     let (Some(at), Some(module)) = (frames.fullest(), frames.readings.modules().first()) else {

@@ -74,7 +74,7 @@ impl Count {
 }
 
 impl Felt {
-    fn of(outcome: &Outcome) -> Self {
+    fn new(outcome: &Outcome) -> Self {
         let trace = &outcome.trace;
         let mut path = FeltPath::new(&trace.header);
         let (mut inner, mut all) = (Count::default(), Count::default());
@@ -157,7 +157,7 @@ pub(super) fn play(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
 }
 
 fn felt(setup: &Setup, seed: u64) -> Result<Felt, Failure> {
-    Ok(Felt::of(&play(setup, seed)?))
+    Ok(Felt::new(&play(setup, seed)?))
 }
 
 /// A scene of the objective on the bench: a path, or the contact at rest.

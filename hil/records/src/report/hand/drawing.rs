@@ -36,7 +36,7 @@ struct Span {
 }
 
 impl Span {
-    fn of(places: impl Iterator<Item = (f64, f64)>, rim: f64) -> Option<Self> {
+    fn around(places: impl Iterator<Item = (f64, f64)>, rim: f64) -> Option<Self> {
         let wide = |all: Option<Self>, (x, y): (f64, f64)| {
             let all = all.unwrap_or(Self {
                 low: (x, y),
@@ -71,7 +71,7 @@ struct Worn {
 }
 
 impl Worn {
-    fn of(spans: Vec<Option<Span>>, room: (f64, f64), width: f64) -> Self {
+    fn new(spans: Vec<Option<Span>>, room: (f64, f64), width: f64) -> Self {
         let fit = spans.iter().flatten().map(|s| s.fit(room));
         let fit = fit.fold(1.0, f64::min);
         Self { spans, fit, width }
@@ -114,19 +114,19 @@ fn pads(hand: &HandReport<'_>) -> Worn {
                 .unwrap_or_default();
             taxels.iter().map(move |t| (t[0] + x, t[1] + y))
         });
-        Span::of(taxels, 2.35)
+        Span::around(taxels, 2.35)
     };
     let spans = hand.fingers.iter().map(span).collect();
-    Worn::of(spans, ROOM_PADS, ROBOT)
+    Worn::new(spans, ROOM_PADS, ROBOT)
 }
 
 fn thimbles(hand: &HandReport<'_>) -> Worn {
     let span = |finger: &FingerReport<'_>| {
         let wires = finger.trace.header.wires.iter().map(|w| mm(w.place));
-        Span::of(wires, BAR + 1.0)
+        Span::around(wires, BAR + 1.0)
     };
     let spans = hand.fingers.iter().map(span).collect();
-    Worn::of(spans, ROOM_WIRES, WORN)
+    Worn::new(spans, ROOM_WIRES, WORN)
 }
 
 /// A closed outline with its corners cut round, each by its own radius, pixels.
@@ -171,7 +171,7 @@ fn sheet(hand: &Hand, width: f64, label: &str) -> (Svg, Plot) {
     let tips = hand.digits.iter().map(|d| d.at((0.0, d.length)));
     let [left, lower, right, upper] = hand.palm;
     let palm = [(left, lower), (right, upper)];
-    let Span { low, high } = Span::of(tips.chain(palm), RIM).unwrap_or(Span {
+    let Span { low, high } = Span::around(tips.chain(palm), RIM).unwrap_or(Span {
         low: (-50.0, -50.0),
         high: (50.0, 50.0),
     });

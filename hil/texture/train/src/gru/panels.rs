@@ -19,17 +19,17 @@ pub struct Panels {
 impl Panels {
     /// Panels of a row-major matrix [depth, columns].
     pub fn new(matrix: &[f32], columns: usize) -> Self {
-        Self::of(matrix.len() / columns, columns, |k, c| {
+        Self::filled(matrix.len() / columns, columns, |k, c| {
             matrix[k * columns + c]
         })
     }
 
     /// Panels of the transpose of a row-major matrix [columns, depth].
     pub fn transposed(matrix: &[f32], depth: usize) -> Self {
-        Self::of(depth, matrix.len() / depth, |k, c| matrix[c * depth + k])
+        Self::filled(depth, matrix.len() / depth, |k, c| matrix[c * depth + k])
     }
 
-    fn of(depth: usize, columns: usize, at: impl Fn(usize, usize) -> f32) -> Self {
+    fn filled(depth: usize, columns: usize, at: impl Fn(usize, usize) -> f32) -> Self {
         let mut values = Vec::with_capacity(columns.div_ceil(WIDE) * depth);
         for first in (0..columns).step_by(WIDE) {
             values.extend((0..depth).map(|k| {

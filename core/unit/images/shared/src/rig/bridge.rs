@@ -17,7 +17,7 @@ pub struct Bridge<'r, W, C>(&'r Rig<W, C>);
 
 impl<'r, W: Wires, C: Fn() -> u64> Bridge<'r, W, C> {
     /// Bridge of a rig, if it has one.
-    pub fn of(rig: &'r Rig<W, C>) -> Option<Self> {
+    pub fn new(rig: &'r Rig<W, C>) -> Option<Self> {
         let asked = rig.ask((Kind::Sensors, 0), &[], &mut [0; 4]);
         let has = asked.is_some_and(|(_, outcome, _)| outcome == Outcome::Done);
         has.then_some(Self(rig))

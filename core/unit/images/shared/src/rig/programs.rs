@@ -53,7 +53,7 @@ pub fn unit<'r, W: Wires, C: Fn() -> u64, L: Link, const HEAP: usize>(
     };
     let mut link = network(rig);
     let regulator = || Regulator::new(PeltierParameters::default(), Thermistor::default());
-    let module = Bridge::of(rig).map(|bridge| (bridge, regulator()));
+    let module = Bridge::new(rig).map(|bridge| (bridge, regulator()));
     let Ok(unit) = Unit::warming(&settings, (Bus(rig), oe), module) else {
         panic!("settings that no unit can have");
     };
