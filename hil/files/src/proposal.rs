@@ -141,7 +141,7 @@ fn head(path: &Path, (file, layout): (&str, &str), proposal: &mut Proposal) {
         }
     };
     let name: String = stem.chars().map(lower).collect();
-    proposal.line("#:schema recording.json");
+    proposal.line("#:schema .schemas/recording.json");
     proposal.line("kind = \"recording\"");
     proposal.line(format!(
         "name = \"{}\"",

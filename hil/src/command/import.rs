@@ -10,6 +10,7 @@ use palpate_files::{
 use palpate_live::output::{note, print, write_file};
 use palpate_run::Failure;
 
+use super::new::write_schema;
 use super::rate::rate_of;
 use super::skin_picture::{Picture, strip};
 use crate::cli::ImportArgs;
@@ -66,6 +67,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
     })?;
     match &args.out {
         Some(path) => {
+            write_schema(path, FileKind::Recording)?;
             write_file(path, |out| out.write_all(proposal.text.as_bytes()))?;
             note(&format!(
                 "wrote {}; `hil contacts {0}` reads the recording by it",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, IsTerminal};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use palpate_core::physics::AIR_POWER;
@@ -38,12 +38,8 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
         NewKind::Protocol(args) => (&args.file, FileKind::Protocol, protocol(args)?),
     };
     let path = path(file);
-    let schema = path.with_file_name(SCHEMAS);
-    make_folder(&schema)?;
-    let name = format!("{}.json", kind.name());
-    let text = palpate_fixtures::schema(kind.name()).unwrap_or_default();
-    write_file(&schema.join(&name), |out| out.write_all(text.as_bytes()))?;
-    let text = format!("#:schema {SCHEMAS}/{name}\n{body}");
+    write_schema(&path, kind)?;
+    let text = format!("#:schema {SCHEMAS}/{}.json\n{body}", kind.name());
     write_file(&path, |out| out.write_all(text.as_bytes()))?;
     let next = match kind {
         FileKind::Scene => format!("hil run {}", path.display()),
@@ -52,6 +48,18 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
         _ => format!("hil check {}", path.display()),
     };
     print(|out| writeln!(out, "wrote {}; next: {next}", path.display()))
+}
+
+/// Writes the schema of a kind of file into a folder beside one that has its first line from there.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write_schema(beside: &Path, kind: FileKind) -> Result<(), Failure> {
+    let folder = beside.with_file_name(SCHEMAS);
+    make_folder(&folder)?;
+    let text = palpate_fixtures::schema(kind.name()).unwrap_or_default();
+    let path = folder.join(format!("{}.json", kind.name()));
+    write_file(&path, |out| out.write_all(text.as_bytes()))
 }
 
 fn path(file: &NewFile) -> PathBuf {

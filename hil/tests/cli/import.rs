@@ -46,6 +46,10 @@ fn a_makers_file_becomes_contacts_in_two_commands() {
     let expected = good(&["contacts", &own, "--layout", "uskin-4x4", "--rate", "100"]);
     assert_eq!(good(&["contacts", &recipe]), expected);
     assert_eq!(hil(&["check", &recipe]).status, Some(0));
+    // Its first line leads an editor to the schema.
+    let text = fs::read_to_string(&recipe).unwrap();
+    let schema = text.lines().next().unwrap().strip_prefix("#:schema ");
+    assert!(folder.path(schema.unwrap()).is_file(), "{text}");
     // Without a file for it, the recipe stands on standard output.
     let shown = hil(&["import", &file]);
     assert!(
