@@ -28,6 +28,8 @@ pub(super) enum Clock {
     Column(usize, TimeColumn),
     /// Whole seconds, and the column of the nanoseconds in them.
     Seconds(usize, usize),
+    /// Dates, and the column of the times of day.
+    Dated(usize, usize),
     Rate(f64),
     /// A clock whose times are of no interest.
     None,
@@ -47,7 +49,7 @@ impl Clock {
     pub(super) fn places(&self) -> Vec<usize> {
         match self {
             Self::Column(place, _) => vec![*place],
-            Self::Seconds(seconds, nanos) => vec![*seconds, *nanos],
+            Self::Seconds(first, second) | Self::Dated(first, second) => vec![*first, *second],
             Self::Rate(_) | Self::None => Vec::new(),
         }
     }
@@ -57,6 +59,7 @@ impl Clock {
         match self {
             Self::Column(place, column) => Some((*place, column.unit)),
             Self::Seconds(place, _) => Some((*place, TimeUnit::Ns)),
+            Self::Dated(_, place) => Some((*place, TimeUnit::Date)),
             Self::Rate(_) | Self::None => None,
         }
     }
@@ -66,6 +69,7 @@ impl Clock {
         let (place, unit) = match self {
             Self::Column(place, column) => (*place, column.unit),
             Self::Seconds(place, _) => (*place, TimeUnit::S),
+            Self::Dated(place, _) => (*place, TimeUnit::Date),
             Self::Rate(_) | Self::None => return None,
         };
         let name = names.and_then(|names| names.get(place));
@@ -82,7 +86,9 @@ impl Clock {
                 format!("column {}", place + 1)
             }
             Self::Column(place, column) => format!("column {} ({})", place + 1, column.name),
-            Self::Seconds(seconds, nanos) => format!("columns {} and {}", seconds + 1, nanos + 1),
+            Self::Seconds(first, second) | Self::Dated(first, second) => {
+                format!("columns {} and {}", first + 1, second + 1)
+            }
             Self::Rate(_) | Self::None => String::new(),
         }
     }
@@ -101,6 +107,12 @@ impl Clock {
                 };
                 let whole = if stated { "" } else { "whole " };
                 us.ok_or_else(|| wrong(field, format!("a {whole}number of {}", column.unit.noun())))
+            }
+            Self::Dated(date, clock) => {
+                let field = |place: &usize| row.get(*place);
+                let us = |place| date_us(field(place));
+                let us = us(date).zip(us(clock)).map(|(date, clock)| date + clock);
+                us.ok_or_else(|| wrong(field(clock), "a date and a time of day".to_owned()))
             }
             Self::Seconds(seconds, nanos) => {
                 let whole = |place: usize, most: u64| {
@@ -131,9 +143,8 @@ impl Timing {
                 };
                 (None, format!("a column {} (--time)", column.name), found)
             })?;
-            if let Some(nanos) = nanos_beside(names, place) {
-                let note = format!("times are `{}` and `{}`", names[place], names[nanos]);
-                return Ok((Clock::Seconds(place, nanos), Some(note)));
+            if let Some(found) = paired(names, place, table.rows) {
+                return Ok(found);
             }
             return Ok((Clock::Column(place, column.clone()), None));
         }
@@ -163,13 +174,50 @@ type Found = Option<(Clock, Option<String>)>;
 fn named(names: &[&str], rows: &[Vec<String>]) -> Result<Found, Wrong> {
     for (place, name) in names.iter().enumerate() {
         let Some(unit) = is_time(name) else { continue };
-        if let Some(nanos) = nanos_beside(names, place) {
-            let note = format!("times are `{name}` and `{}`", names[nanos]);
-            return Ok(Some((Clock::Seconds(place, nanos), Some(note))));
+        if let Some(found) = paired(names, place, rows) {
+            return Ok(Some(found));
         }
         return of_column(place, name, unit, rows).map(Some);
     }
-    Ok(None)
+    // Times of day are times whatever their column is called.
+    let told = |place: &usize| all(rows, *place, is_clock);
+    match (0..names.len()).find(told) {
+        Some(place) => of_column(place, names[place], Some(TimeUnit::Date), rows).map(Some),
+        None => Ok(None),
+    }
+}
+
+/// The clock of two columns that belong to each other: seconds with nanoseconds, or dates with times of day.
+fn paired(names: &[&str], place: usize, rows: &[Vec<String>]) -> Option<(Clock, Option<String>)> {
+    let is_date = |field: &str| date_us(field).is_some() && !is_clock(field);
+    let clock = match nanos_beside(names, place) {
+        Some(nanos) => Clock::Seconds(place, nanos),
+        None if all(rows, place, is_date) => {
+            Clock::Dated(place, (0..names.len()).find(|of| all(rows, *of, is_clock))?)
+        }
+        None => return None,
+    };
+    let both: Vec<String> = clock
+        .places()
+        .iter()
+        .map(|of| format!("`{}`", names[*of]))
+        .collect();
+    let note = format!("times are {}", both.join(" and "));
+    Some((clock, Some(note)))
+}
+
+/// Tells whether a field has a time of day.
+fn is_clock(field: &str) -> bool {
+    field.contains(':') && date_us(field).is_some()
+}
+
+/// Tells whether all fields of a column, of which there are some, are such ones.
+fn all(rows: &[Vec<String>], place: usize, holds: impl Fn(&str) -> bool) -> bool {
+    let fields = || {
+        rows.iter()
+            .map(|row| row.get(place).map_or("", String::as_str))
+    };
+    !rows.is_empty() && fields().all(holds)
 }
 
 /// Finds a counter, a time, or both before the values.
@@ -255,6 +303,11 @@ const UNITS: [(TimeUnit, &[&str]); 4] = [
         ],
     ),
 ];
+
+/// Tells whether a word is a unit of times.
+pub(super) fn is_unit_of_time(word: &str) -> bool {
+    UNITS.iter().any(|(_, names)| names.contains(&word))
+}
 
 /// Tells whether a name is one of times, with the unit if the name states it.
 fn is_time(name: &str) -> Option<Option<TimeUnit>> {

@@ -227,7 +227,8 @@ fn taxels(
     if header {
         let is_value = |place: &usize| !times.contains(place) && !first[*place].starts_with(JOINT);
         let places: Vec<usize> = (0..first.len()).filter(is_value).collect();
-        return numbered(first, &places, columns)?.ok_or(wrong);
+        let found = numbered(first, &places, columns)?;
+        return found.ok_or_else(|| alone(first, &places, columns).unwrap_or(wrong));
     }
     let before = first
         .len()
@@ -246,6 +247,17 @@ fn taxels(
         columns.name(1)
     );
     Ok((taken.collect(), Some(note)))
+}
+
+/// The error of a file that has one axis of a layout of three.
+fn alone(first: &[&str], places: &[usize], columns: &Columns) -> Option<Wrong> {
+    let all = groups(places.iter().map(|place| (*place, first[*place])));
+    let one = all
+        .iter()
+        .find(|group| group.places.len() == columns.taxels)?;
+    let found = format!("{} of one axis, `{}`", columns.taxels, one.pattern);
+    let expected = format!("{}, or a layout of one axis (--layout)", columns.expected());
+    (columns.axes == 3).then_some((None, expected, found))
 }
 
 /// Columns under the layout's own names in their order, with no others but times and joints.

@@ -5,6 +5,9 @@ use super::times::date_us;
 /// Rows of a table's beginning that are looked at.
 const LOOKED_AT: usize = 64;
 
+/// Separators of fields, in the order that decides between equals.
+pub(super) const SEPARATORS: [Option<u8>; 4] = [Some(b';'), Some(b'\t'), Some(b','), None];
+
 /// Separator of the fields of a line, and decimal mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
@@ -31,18 +34,17 @@ impl Default for Dialect {
 }
 
 impl Dialect {
-    /// The dialect in which most fields behind the first line are values, and all lines have as many. The order of the
-    /// candidates decides between equals: a comma may be a decimal mark, and blanks may stand around any of them.
+    /// The dialect in which most fields behind the first line are values, and all lines have as many. A comma
+    /// may be a decimal mark, and blanks may stand around any separator.
     pub(super) fn guess(start: &str, known: Writing) -> Self {
         let lines: Vec<&str> = whole_lines(start)
             .filter(|line| !is_remark(line))
             .take(LOOKED_AT)
             .collect();
         let mut best = (0.0, Self::default());
-        let all = [Some(b';'), Some(b'\t'), Some(b','), None];
         let stated = known.separator.as_ref().map(std::slice::from_ref);
         best.1.separator = known.separator.unwrap_or(best.1.separator);
-        for &separator in stated.unwrap_or(&all) {
+        for &separator in stated.unwrap_or(&SEPARATORS) {
             let dialect = Self {
                 separator,
                 decimal_comma: false,

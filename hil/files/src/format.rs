@@ -49,20 +49,19 @@ pub enum Format {
 }
 
 /// Binary formats by their first bytes.
-const MAGIC: [(&[u8], Format); 21] = [
+const MAGIC: [(&[u8], Format); 23] = [
     (b"\x89MCAP0\r\n", Format::Mcap),
-    (b"\x1f\x8b", Format::Binary("gzip (unpack it first)")),
+    (b"\x1f\x8b", Format::Binary("gzip (gunzip --keep FILE.gz)")),
     (
         b"\x28\xb5\x2f\xfd",
-        Format::Binary("zstd (unpack it first)"),
+        Format::Binary("zstd (unzstd FILE.zst)"),
     ),
-    (
-        b"PK\x03\x04",
-        Format::Binary("a zip archive or spreadsheet"),
-    ),
+    (b"PK\x03\x04", Format::Binary(SHEET)),
     (b"\xD0\xCF\x11\xE0", Format::Binary("an old spreadsheet")),
     (b"\x89HDF", Format::Binary(HDF5)),
     (b"PAR1", Format::Binary(PARQUET)),
+    (b"ARROW1", Format::Binary(ARROW)),
+    (b"\x80\x05\x95", Format::Binary(PICKLE)),
     (b"\x93NUMPY", Format::Numpy),
     (b"MATLAB 5.0", Format::Matlab),
     (
@@ -106,6 +105,9 @@ const MAGIC: [(&[u8], Format); 21] = [
 const HDF5: &str = "HDF5 (python -c \"import h5py, numpy; numpy.savetxt('FILE.csv', h5py.File('FILE.h5')['DATASET'], \
                     delimiter=',')\")";
 const PARQUET: &str = "Parquet (python -c \"import pandas; pandas.read_parquet('FILE.parquet').to_csv('FILE.csv', index=False)\")";
+const SHEET: &str = "a zip archive or spreadsheet (python -c \"import pandas; pandas.read_excel('FILE.xlsx').to_csv('FILE.csv', index=False)\")";
+const ARROW: &str = "Arrow (python -c \"import pandas; pandas.read_feather('FILE').to_csv('FILE.csv', index=False)\")";
+const PICKLE: &str = "a Python pickle (python -c \"import pandas; pandas.read_pickle('FILE.pkl').to_csv('FILE.csv', index=False)\")";
 /// CAN logs of other programs by the beginning of their text.
 const CAN_TEXTS: [(&str, &str); 3] = [
     ("// version", ASC),

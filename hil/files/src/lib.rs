@@ -49,6 +49,7 @@ mod packed;
 mod person;
 mod placeholder;
 mod plain;
+mod preface;
 mod priors;
 mod proposal;
 mod protocol;

@@ -2,9 +2,11 @@
 
 use std::io::Read;
 
+use super::clock::is_unit_of_time;
 use super::dialect::{Dialect, Fields, Writing, is_remark, is_value};
 use super::error::FileError;
 use super::format::Format;
+use super::preface::Preface;
 use super::reading::Lines;
 
 /// Rows of a table's beginning that are looked at.
@@ -25,20 +27,37 @@ pub(super) struct Opening {
     pub(super) dialect: Dialect,
     /// The first rows.
     pub(super) rows: Vec<Vec<String>>,
+    /// Remark on lines before the heading.
+    pub(super) note: Option<String>,
 }
 
 impl Opening {
     /// Looks at the beginning of a text, up to its heading or first row. The heading is the first line, if one of its fields is no
-    /// value, or the last remark before it, if it has as many fields and none is a value, as `numpy.savetxt` writes one.
+    /// value, or the last remark before it, if it has as many fields and none is a value, as `numpy.savetxt` writes one. Other lines
+    /// before it are passed over, and units in a line below it join the names.
     ///
     /// # Errors
     /// A text of another format, and an empty one.
     pub(super) fn read<R: Read>(lines: &mut Lines<R>, known: Writing) -> Result<Self, FileError> {
-        if let Some(format) = lines.format()?.filter(|f| *f != Format::Csv) {
+        let format = lines.format()?.filter(|f| *f != Format::Csv);
+        let start = lines.start()?.to_owned();
+        // Lines such as `rate = 100` are settings only where no table follows.
+        let is_text = matches!(format, None | Some(Format::Toml));
+        let preface = is_text.then(|| Preface::find(&start, known)).flatten();
+        if let Some(format) = format.filter(|_| preface.is_none()) {
             let label = lines.label();
             return Err(FileError::whole(label, "a recording (CSV)", format.noun()));
         }
-        let start = lines.start()?.to_owned();
+        let preface = preface.unwrap_or_default();
+        let note = preface.note(&start);
+        let start = preface.rest(&start);
+        for _ in 0..preface.lines {
+            lines.advance()?;
+        }
+        let known = Writing {
+            separator: preface.separator.map(Some).or(known.separator),
+            ..known
+        };
         let dialect = Dialect::guess(&start, known);
         let mut fields = Fields::new(dialect);
         let (remark, line, first) = first_line(lines)?;
@@ -62,6 +81,12 @@ impl Opening {
         {
             names.pop();
         }
+        if preface.has_units {
+            let (_, _, units) = first_line(lines)?;
+            let units = fields.split(&units);
+            let names = names.iter_mut().flatten().zip(units.iter());
+            names.for_each(|(name, unit)| join(name, unit));
+        }
         let end = start.rfind('\n').unwrap_or(start.len());
         let whole = start.get(..end).unwrap_or_default().lines();
         let rows = whole
@@ -77,6 +102,7 @@ impl Opening {
             is_row,
             width,
             dialect,
+            note,
         })
     }
 
@@ -99,6 +125,14 @@ impl Opening {
     /// The first line where it is a row, and its number.
     pub(super) fn pending(&self) -> Option<(usize, String)> {
         self.is_row.then(|| (self.line, self.first.clone()))
+    }
+}
+
+/// Adds a unit of times to the name of its column.
+fn join(name: &mut String, unit: &str) {
+    let unit = unit.trim_matches(['(', ')', '[', ']']);
+    if is_unit_of_time(unit) {
+        *name = format!("{name} ({unit})");
     }
 }
 

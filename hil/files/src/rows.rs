@@ -192,7 +192,8 @@ impl<R: Read> Rows<R> {
             None => Tail::new(head.dialect, &taken, first.len()),
             Some(_) => None,
         };
-        let notes = [order_note, clock_note].into_iter().flatten();
+        let notes = [head.note.clone(), order_note, clock_note];
+        let notes = notes.into_iter().flatten();
         let is_plain = matches!(&clock, Clock::Column(_, column) if column.unit == TimeUnit::Us);
         Ok(Self {
             notes: notes.map(|note| format!("{label}: {note}")).collect(),

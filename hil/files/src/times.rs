@@ -116,9 +116,15 @@ impl TimeUnit {
 }
 
 /// Microseconds since 1970 of a date with a time of day: `2026-03-01T12:00:00.25Z`, with a blank in place of the `T`,
-/// with a zone such as `+02:00`, or without one, which is UTC.
+/// with a zone such as `+02:00`, or without one, which is UTC. Of a date alone those of its midnight, and of a time of day those
+/// since midnight. Days may stand in the middle, as `3/1/2026` has them, or first, as `1.3.2026` and `31/3/2026` do.
 pub(super) fn date_us(text: &str) -> Option<u64> {
-    let (date, time) = text.split_once(['T', ' '])?;
+    let (date, time) = match text.split_once(['T', ' ']) {
+        Some((clock, half)) if clock.contains(':') && is_half(half) => ("1970-01-01", text),
+        Some(parts) => parts,
+        None if text.contains(':') => ("1970-01-01", text),
+        None => (text, "00:00:00"),
+    };
     let number = |text: &str| -> Option<i64> {
         let digits =
             !text.is_empty() && text.len() < 10 && text.bytes().all(|b| b.is_ascii_digit());
@@ -128,11 +134,24 @@ pub(super) fn date_us(text: &str) -> Option<u64> {
         let mut parts = text.splitn(3, mark).map(number);
         Some([parts.next()??, parts.next()??, parts.next()??])
     };
-    let [year, month, day] = three(date, '-')?;
+    let mark = date.chars().find(|c| "-/.".contains(*c))?;
+    let [year, month, day] = match (three(date, mark)?, mark) {
+        (own @ [(1000..), _, _], _) => own,
+        ([day, month, year], '.') | ([day @ (13..), month, year], _) => [year, month, day],
+        ([month, day, year], _) => [year, month, day],
+    };
+    let (time, half_day) = match time.trim_end().rsplit_once(' ') {
+        Some((time, half)) if is_half(half) => (time, Some(half.starts_with(['p', 'P']))),
+        _ => (time, None),
+    };
     let zone_at = time.find(['Z', '+', '-']).unwrap_or(time.len());
     let (clock, zone) = time.split_at_checked(zone_at)?;
     let (clock, fraction) = clock.split_once(['.', ',']).unwrap_or((clock, ""));
     let [hour, minute, second] = three(clock, ':')?;
+    let hour = match half_day {
+        Some(is_late) => hour % 12 + if is_late { 12 } else { 0 },
+        None => hour,
+    };
     let micros: String = fraction.chars().chain("000000".chars()).take(6).collect();
     let zone_min = match zone {
         "" | "Z" => 0,
@@ -164,6 +183,13 @@ pub(super) fn date_us(text: &str) -> Option<u64> {
         y.div_euclid(400) * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468;
     let s = days * 86_400 + hour * 3600 + (minute - zone_min) * 60 + second;
     u64::try_from(s * 1_000_000 + number(&micros)?).ok()
+}
+
+/// Tells whether a word is the half of a day.
+fn is_half(word: &str) -> bool {
+    ["am", "pm"]
+        .iter()
+        .any(|half| word.eq_ignore_ascii_case(half))
 }
 
 /// The reason for which a time cannot follow those before it.

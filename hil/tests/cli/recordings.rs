@@ -278,6 +278,24 @@ fn write_all(folder: &Folder) {
     let clock = |row: usize| format!("x;{},0;", row * 10);
     let rows = lines(";", clock, |c| format!("{c},0")).replace('\n', ";\r\n");
     folder.write("tabelle.csv", &(head + &rows));
+    let head = format!("Zeit;{}\n", names(|c| format!("Kanal {c}"), ";"));
+    // Midnight comes in the middle.
+    let night = |row: usize| match row {
+        0..30 => format!("31.03.2026 23:59:59,{};", row + 70),
+        _ => format!("01.04.2026 00:00:00,{:02};", row - 30),
+    };
+    folder.write(
+        "excel.csv",
+        &format!("sep=;\n{head}{}", lines(";", night, plain)),
+    );
+    let units = vec!["counts"; COUNTS].join(",");
+    let head = names(|c| format!("ai{c}"), ",");
+    let words = "Instrument,DAQ 9,serial 12\nSample rate=100\n\n";
+    let rows = lines(",", |row| format!("{},", row * 10), plain);
+    folder.write("daq.csv", &format!("{words}t,{head}\nms,{units}\n{rows}"));
+    let american = |row: usize| format!("3/31/2026,11:59:59.{:02} PM,", row);
+    let rows = lines(",", american, plain);
+    folder.write("days.csv", &format!("Date,Time,{head}\n{rows}"));
     // Sorted as texts are: ch0, ch1, ch10.
     let mut order: Vec<usize> = (0..COUNTS).collect();
     order.sort_by_key(|c| c.to_string());
@@ -395,5 +413,5 @@ fn every_row_of_the_table_does_what_it_says() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 32, "the rows of the table");
+    assert_eq!(rows, 35, "the rows of the table");
 }
