@@ -19,6 +19,8 @@ pub enum Format {
     Vcd,
     /// Value change dump, packed by GTKWave's library.
     Fst,
+    /// Waveform of GHDL.
+    Ghw,
     /// A page.
     Html,
     /// JUnit XML.
@@ -85,10 +87,7 @@ const MAGIC: [(&[u8], Format); 21] = [
         b"\xFE\0\0\0",
         Format::Binary("an FST dump that is packed as a whole (fst2vcd FILE.fst > FILE.vcd)"),
     ),
-    (
-        b"GHDLwave",
-        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --fst=FILE.fst)"),
-    ),
+    (b"GHDLwave\n", Format::Ghw),
     (
         b"LOGG",
         Format::Binary("a Vector log (python -m can.logconvert FILE.blf FILE.log)"),
@@ -259,6 +258,7 @@ impl Format {
             self,
             Self::Mcap
                 | Self::Fst
+                | Self::Ghw
                 | Self::Safetensors
                 | Self::Onnx
                 | Self::Numpy
@@ -279,6 +279,7 @@ impl Format {
             Self::Golden => "a golden",
             Self::Vcd => "a value change dump (VCD)",
             Self::Fst => "a value change dump (FST)",
+            Self::Ghw => "a waveform of GHDL (GHW)",
             Self::Html => "an HTML page",
             Self::Junit => "JUnit XML",
             Self::Svg => "an SVG drawing",

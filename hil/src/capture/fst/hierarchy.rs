@@ -1,7 +1,7 @@
 //! Declarations of a dump: scopes, variables, and attributes, which are passed over.
 
-use super::super::declared::{Declared, Wrong};
-use super::bytes::{Bytes, damaged};
+use super::super::declared::{Declared, Wrong, damaged};
+use super::bytes::Bytes;
 
 /// Kinds of entries, by the format's numbers; a lower one is that of a variable.
 const LAST_VARIABLE: u8 = 29;

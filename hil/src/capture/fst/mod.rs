@@ -12,9 +12,9 @@ use std::io::{Read, Seek};
 
 use palpate_files::FileError;
 
-use self::bytes::{Bytes, Packing, Source, damaged, perhaps_zlib};
+use self::bytes::{Bytes, Packing, Source, perhaps_zlib};
 use self::section::{Change, Section};
-use super::declared::{Declared, Wrong};
+use super::declared::{Declared, Wrong, damaged};
 use super::dump::level;
 use super::edges::Capture;
 use super::{MOST_CHANGES, too_long};

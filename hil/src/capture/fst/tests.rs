@@ -8,24 +8,9 @@ use fst_writer::{
     FstVarDirection, FstVarType,
 };
 
+use super::super::draws::{Draws, mutate};
 use super::super::dump;
 use super::*;
-
-/// Draws that are the same in every run (xorshift).
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % bound.max(1) as u64) as usize
-    }
-
-    fn one(&mut self, of: &[u8]) -> u8 {
-        of[self.below(of.len())]
-    }
-}
 
 const KINDS: [(&str, FstVarType); 4] = [
     ("wire", FstVarType::Wire),
@@ -181,43 +166,18 @@ fn a_dump_that_is_cut_is_refused_wherever_it_is_cut() {
     }
 }
 
-/// Number of changed dumps; `ci/hostile` asks for more.
-fn count() -> usize {
-    let asked = std::env::var("PALPATE_MUTATIONS").ok();
-    asked.and_then(|n| n.parse().ok()).unwrap_or(3000)
-}
-
 #[test]
 fn mutations_of_a_dump_are_read_or_refused() {
-    let mut draw = Draws(5);
-    let (mut good, _) = waveform(&mut draw);
-    let (mut read_all, mut refused) = (0, 0);
-    for n in 0..count() {
-        if n % 100 == 0 {
-            good = waveform(&mut draw).0;
-        }
-        let mut bytes = good.clone();
-        for _ in 0..=draw.below(3) {
-            let at = draw.below(bytes.len());
-            match draw.below(4) {
-                0 => bytes[at] ^= 1 << draw.below(8),
-                1 => bytes[at] = draw.one(&[0, 1, 0x7f, 0x80, 0xff]),
-                2 => _ = bytes.remove(at),
-                _ => bytes.insert(at, draw.one(&[0, 1, 0x80, 0xff])),
-            }
-        }
-        _ = dump::read("a.vcd", &*bytes);
-        match read("a.fst", Cursor::new(&bytes)) {
-            Ok(_) => read_all += 1,
-            Err(error) => {
-                assert!(!error.found.is_empty());
-                refused += 1;
-            }
-        }
-    }
-    assert!(
-        read_all > 0 && refused > 0,
-        "{read_all} read, {refused} refused"
+    mutate(
+        5,
+        |draw| waveform(draw).0,
+        |bytes| {
+            _ = dump::read("a.vcd", bytes);
+            let found = read("a.fst", Cursor::new(bytes));
+            found
+                .map_err(|error| assert!(!error.found.is_empty()))
+                .is_ok()
+        },
     );
 }
 
