@@ -83,10 +83,7 @@ const MAGIC: [(&[u8], Format); 21] = [
         Format::Binary("a ROS 1 bag (mcap convert FILE.bag FILE.mcap)"),
     ),
     (b"\0\0\0\0\0\0\0\x01\x49", Format::Fst),
-    (
-        b"\xFE\0\0\0",
-        Format::Binary("an FST dump that is packed as a whole (fst2vcd FILE.fst > FILE.vcd)"),
-    ),
+    (b"\xFE\0\0\0", Format::Fst),
     (b"GHDLwave\n", Format::Ghw),
     (
         b"LOGG",

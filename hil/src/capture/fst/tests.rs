@@ -152,6 +152,49 @@ fn a_dump_reads_like_the_same_waveform_as_vcd() {
     );
 }
 
+/// A dump packed as a whole, in one gzip stream without compression.
+fn packed(plain: &[u8]) -> Vec<u8> {
+    let block = |(n, part): (usize, &[u8])| {
+        let length = part.len() as u16;
+        let is_last = u8::from((n + 1) * 0xffff >= plain.len());
+        let head = [
+            [is_last].as_slice(),
+            &length.to_le_bytes(),
+            &(!length).to_le_bytes(),
+        ]
+        .concat();
+        [&head, part].concat()
+    };
+    let blocks: Vec<u8> = plain.chunks(0xffff).enumerate().flat_map(block).collect();
+    let length = 16 + 10 + blocks.len() as u64;
+    [
+        &[PACKED][..],
+        &length.to_be_bytes(),
+        &(plain.len() as u64).to_be_bytes(),
+        &[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 3],
+        &blocks,
+    ]
+    .concat()
+}
+
+#[test]
+fn a_dump_that_is_packed_as_a_whole_is_read() {
+    let (plain, _) = waveform(&mut Draws(3));
+    let whole = packed(&plain);
+    let found = read("a.fst", Cursor::new(&whole)).unwrap();
+    assert_eq!(found, read("a.fst", Cursor::new(plain)).unwrap());
+    for length in 0..whole.len() {
+        assert!(
+            read("a.fst", Cursor::new(&whole[..length])).is_err(),
+            "{length}"
+        );
+    }
+    let mut long = whole;
+    long[9] = 1;
+    let error = read("a.fst", Cursor::new(&long)).unwrap_err().to_string();
+    assert!(error.contains("at most 64 MiB"), "{error}");
+}
+
 #[test]
 fn a_dump_that_is_cut_is_refused_wherever_it_is_cut() {
     let mut draw = Draws(77);

@@ -10,6 +10,9 @@ pub const REAL: u64 = 6;
 pub const TIME: u64 = 7;
 pub const STD_LOGIC_VECTOR: u64 = 8;
 
+/// A cycle: its time, and the scalars that change with the bytes of their values.
+pub type Cycle = (i64, Vec<(u64, Vec<u8>)>);
+
 /// A dump as it grows.
 pub struct Writer {
     is_big_endian: bool,
@@ -159,8 +162,8 @@ impl Writer {
         self.sections += 1;
     }
 
-    /// Adds cycles: times, and the scalars that change with the bytes of their values.
-    pub fn cycles(&mut self, cycles: &[(i64, Vec<(u64, Vec<u8>)>)]) {
+    /// Adds cycles.
+    pub fn cycles(&mut self, cycles: &[Cycle]) {
         let Some((first, _)) = cycles.first() else {
             return;
         };
@@ -194,13 +197,12 @@ impl Writer {
             let pairs = last.bytes().zip(name.bytes());
             let shared = pairs.take_while(|(a, b)| a == b).count();
             let mut left = shared;
-            while n > 0 {
-                bytes.push((left % 32) as u8 | if left > 31 { 0x80 } else { 0 });
+            while left > 31 {
+                bytes.push((left % 32) as u8 | 0x80);
                 left /= 32;
-                if left == 0 {
-                    break;
-                }
             }
+            // The first name has none before it.
+            bytes.extend((n > 0).then_some(left as u8));
             bytes.extend(&name.as_bytes()[shared..]);
             last = name;
         }
