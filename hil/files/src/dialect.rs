@@ -108,6 +108,14 @@ pub(super) fn is_remark(line: impl AsRef<[u8]>) -> bool {
     line.is_empty() || marks.iter().any(|mark| line.starts_with(mark))
 }
 
+/// Returns true if one of the whole lines of a text's beginning is no remark.
+pub(super) fn has_row(start: &[u8]) -> bool {
+    let start = start.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(start);
+    let lines = start.split_inclusive(|byte| *byte == b'\n');
+    let mut whole = lines.filter(|line| line.ends_with(b"\n"));
+    whole.any(|line| !is_remark(line))
+}
+
 /// Returns true if a field may be a value: a number, with either decimal mark, a date, or nothing.
 pub(super) fn is_value(field: &str) -> bool {
     field.is_empty()

@@ -19,6 +19,8 @@ pub enum Format {
     Vcd,
     /// Value change dump, packed by GTKWave's library.
     Fst,
+    /// Waveform of GHDL.
+    Ghw,
     /// A page.
     Html,
     /// JUnit XML.
@@ -80,14 +82,8 @@ const MAGIC: [(&[u8], Format); 23] = [
         Format::Binary("a ROS 1 bag (mcap convert FILE.bag FILE.mcap)"),
     ),
     (b"\0\0\0\0\0\0\0\x01\x49", Format::Fst),
-    (
-        b"\xFE\0\0\0",
-        Format::Binary("an FST dump that is packed as a whole (fst2vcd FILE.fst > FILE.vcd)"),
-    ),
-    (
-        b"GHDLwave",
-        Format::Binary("a GHW dump (run it again with ghdl -r UNIT --fst=FILE.fst)"),
-    ),
+    (b"\xFE\0\0\0", Format::Fst),
+    (b"GHDLwave\n", Format::Ghw),
     (
         b"LOGG",
         Format::Binary("a Vector log (python -m can.logconvert FILE.blf FILE.log)"),
@@ -261,6 +257,7 @@ impl Format {
             self,
             Self::Mcap
                 | Self::Fst
+                | Self::Ghw
                 | Self::Safetensors
                 | Self::Onnx
                 | Self::Numpy
@@ -281,6 +278,7 @@ impl Format {
             Self::Golden => "a golden",
             Self::Vcd => "a value change dump (VCD)",
             Self::Fst => "a value change dump (FST)",
+            Self::Ghw => "a waveform of GHDL (GHW)",
             Self::Html => "an HTML page",
             Self::Junit => "JUnit XML",
             Self::Svg => "an SVG drawing",

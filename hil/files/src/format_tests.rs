@@ -28,6 +28,8 @@ fn formats_are_told_by_their_first_bytes() {
         ),
         (b"$version palpate $end\n", Some(Format::Vcd)),
         (b"\0\0\0\0\0\0\0\x01\x49\0", Some(Format::Fst)),
+        (b"\xFE\0\0\0\0\0\0\0\x80", Some(Format::Fst)),
+        (b"GHDLwave\n\x10\0\x01\x01", Some(Format::Ghw)),
         (b"<!DOCTYPE html>\n", Some(Format::Html)),
         (
             b"<?xml version=\"1.0\"?>\n<testsuites>",
@@ -57,8 +59,6 @@ fn formats_are_told_by_their_first_bytes() {
         b"LOGG\x90\0\0\0",
         b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1\n",
         b"PAR1\x15\x04",
-        b"\xFE\0\0\0\0\0\0\0\x80",
-        b"GHDLwave\n",
     ] {
         assert!(matches!(Format::recognise(start), Some(Format::Binary(_))));
     }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use memchr::{memchr, memchr_iter};
 
-use super::dialect::is_remark;
+use super::dialect::{has_row, is_remark};
 use super::error::{FileError, said};
 use super::format::Format;
 
@@ -168,7 +168,7 @@ pub struct Text<R> {
     /// Number of NULs that were held back, and a flag that text came before them.
     nuls: u64,
     begun: bool,
-    /// True where the first read waits for a full beginning.
+    /// True where the first read waits for a full beginning, and not for a row alone.
     waits: bool,
     /// Error behind a beginning that is read first.
     wrong: Option<io::Error>,
@@ -214,8 +214,8 @@ impl<R: Read> Text<R> {
         }
     }
 
-    /// The text, whose beginning does not depend on where the reads of a pipe end: it tells how the rest is written. A live stream
-    /// does not wait for it.
+    /// The text with as much of its beginning as a reader holds, however small the pieces of a pipe are: it tells how the rest is
+    /// written. A live stream waits for its first row alone.
     #[must_use]
     pub fn waiting(self) -> Self {
         Self {
@@ -235,13 +235,19 @@ impl<R: Read> Text<R> {
         })
     }
 
-    /// Reads until `out` is full or the input ends.
+    /// Reads until `out` is full, the input ends, or there is a row where the text does not wait for more.
     fn begin(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let mut filled = 0;
         while filled < out.len() {
             match self.input.read(&mut out[filled..]) {
                 Ok(0) => break,
-                Ok(read) => filled += read,
+                Ok(read) => {
+                    let ends_line = memchr(b'\n', &out[filled..filled + read]).is_some();
+                    filled += read;
+                    if ends_line && !self.waits && has_row(&out[..filled]) {
+                        break;
+                    }
+                }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) if filled == 0 => return Err(error),
                 Err(error) => {
@@ -333,7 +339,7 @@ impl<R: Read> Read for Text<R> {
                 return Err(error);
             }
             let first = self.line == 1 && self.length == 0 && !self.begun;
-            let mut read = match first && self.waits {
+            let mut read = match first {
                 true => self.begin(out)?,
                 false => self.input.read(out)?,
             };

@@ -87,3 +87,54 @@ fn what_is_no_ordinary_file_is_refused_at_once() {
     assert_eq!(found, "NUL bytes");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+/// Bytes that come in pieces of one length, as a pipe delivers them.
+struct Pieces<'a>(&'a [u8], usize);
+
+impl Read for Pieces<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let most = self.1.min(out.len());
+        self.0.read(&mut out[..most])
+    }
+}
+
+#[test]
+fn a_format_does_not_depend_on_the_pieces_of_a_pipe() {
+    for text in [
+        "(1436509052.249713) can0 104#93\n(1436509052.249813) can0 105#93\n",
+        "# restarted\n\n(1436509052.249713) can0 104#93\n",
+        "DROPCOUNT: dropped 3 CAN frames\n",
+        "  can0  104   [1]  93\n",
+        "frame,time_us,module,contact\n1,2,3,4\n",
+        "\u{FEFF}ch0;ch1\n1,5;2,5\n",
+        "{\"version\":1,\"seed\":1,\"scene_digest\":\"8\"}\n{\"t_us\":1}\n",
+        "---\nsource: a.rs\n---\npalpate schedule of idle\n",
+        "$version palpate $end\n",
+        "// version 8.0.0\ndate Sun Mar 1 12:00:00 pm 2026\n",
+        "date Sun Mar 1 12:00:00 pm 2026\nbase hex  timestamps absolute\n",
+        "<?xml version=\"1.0\"?>\n<testsuites>\n",
+        "name = \"mine\"\n",
+    ] {
+        let format = Format::of(text.as_bytes());
+        assert!(format.is_some(), "{text}");
+        for length in 1..text.len() {
+            let pieces = Pieces(text.as_bytes(), length);
+            let text = Text::new("f", pieces, 1000).waiting();
+            let found = Lines::over(text).format().unwrap();
+            assert_eq!(found, format, "pieces of {length}");
+        }
+    }
+}
+
+/// A row that comes in pieces tells its separator, and a stream that goes on does not wait for more.
+#[test]
+fn a_live_stream_waits_for_its_first_row() {
+    let text = "\u{FEFF}# of a skin\n\n10;20\n11;21\n";
+    for length in 1..text.len() {
+        let mut lines = Lines::over(Text::new("f", Pieces(text.as_bytes(), length), 1000));
+        assert!(lines.start().unwrap().contains("10;20\n"), "{length}");
+        let read = text.len() - lines.text.get_ref().input.0.len();
+        let row = text.find("11").unwrap();
+        assert!(read < row + length, "{length}: {read} bytes were read");
+    }
+}

@@ -11,6 +11,11 @@ const MOST_NAMES: usize = 1 << 20;
 /// Expectation and finding.
 pub(super) type Wrong = (&'static str, String);
 
+/// A refusal of other bytes than were expected.
+pub(super) fn damaged(expected: &'static str) -> Wrong {
+    (expected, "a damaged or unfinished dump".into())
+}
+
 /// Signals of one bit as a dump declares them, by the codes that its changes name.
 #[derive(Debug)]
 pub(super) struct Declared<C> {

@@ -9,9 +9,13 @@ mod compare;
 mod coverage;
 mod csv;
 mod declared;
+#[cfg(test)]
+mod draws;
 mod dump;
 mod edges;
 mod fst;
+mod ghw;
+mod leb128;
 mod plan;
 mod tally;
 
@@ -40,14 +44,14 @@ fn too_long(label: &str, line: Option<usize>) -> FileError {
     }
 }
 
-/// Reads a capture: VCD, FST, or CSV as sigrok or Saleae's Logic write it. A text that is cut short or damaged gives
+/// Reads a capture: VCD, FST, GHW, or CSV as sigrok or Saleae's Logic write it. A text that is cut short or damaged gives
 /// what came before, with a note in [`Capture::notes`].
 ///
 /// # Errors
-/// [`FileError`] for a file of another kind, a damaged FST dump, or a file without a digital signal.
+/// [`FileError`] for a file of another kind, a damaged FST or GHW dump, or a file without a digital signal.
 pub fn read(path: &Path) -> Result<Capture, FileError> {
     let label = path.display().to_string();
-    let expected = "a capture, VCD, FST or CSV";
+    let expected = "a capture, VCD, FST, GHW or CSV";
     let named = path.extension().is_some_and(|e| e == "csv");
     let format = match format_of(path) {
         // A CSV of one column, or with remarks, has no mark.
@@ -61,6 +65,7 @@ pub fn read(path: &Path) -> Result<Capture, FileError> {
         Format::Csv => csv::read(&label, file()?)?,
         Format::Vcd => dump::read(&label, file()?)?,
         Format::Fst => fst::read(&label, file()?)?,
+        Format::Ghw => ghw::read(&label, file()?)?,
         other => return Err(FileError::whole(label, expected, other.noun())),
     };
     if capture.signals.is_empty() {

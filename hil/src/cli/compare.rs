@@ -38,7 +38,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 pub struct DiffArgs {
     /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv); a folder of `hil run --out` has the last two.
     pub a: PathBuf,
-    /// Another file of the same kind. A schedule also compares with a capture of its pins (.vcd, .fst, .csv).
+    /// Another file of the same kind. A schedule also compares with a capture of its pins (.vcd, .fst, .ghw, .csv).
     pub b: PathBuf,
     /// Output of a signal in the capture; repeatable (default: by names like b0_ch3, else in the order of
     /// the wires).

@@ -12,7 +12,7 @@ use super::long_schedules::{Told, long};
 use super::pins::{is_capture, pins};
 use super::schedules::{MOST, read_log, wires};
 use crate::cli::{Color, DiffArgs};
-use palpate_files::{FileError, Format, LONGEST_LINE, Lines, format_of};
+use palpate_files::{FileError, Format, LONGEST_LINE, Lines, Text, format_of};
 use palpate_live::output::{note, print, print_json};
 use palpate_run::{Failure, damaged};
 
@@ -40,7 +40,7 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     }
     if args.window.is_some() {
         return Err(Failure::Input(
-            "--window: expected a schedule (.jsonl) and a capture (.vcd, .fst, .csv) to compare, found other files".into(),
+            "--window: expected a schedule (.jsonl) and a capture (.vcd, .fst, .ghw, .csv) to compare, found other files".into(),
         ));
     }
     let all = pairs.iter().map(|(a, b)| found(args, a, b));
@@ -214,7 +214,7 @@ fn reader<'a>(
 fn open(path: &Path) -> Result<File, Failure> {
     let label = path.display().to_string();
     let expected = "a golden (.snap), a schedule (.jsonl) or contacts (.csv)";
-    let mut lines = Lines::open(path, expected, LONGEST_LINE)?;
+    let mut lines = Lines::over(Text::open(path, expected, LONGEST_LINE)?.waiting());
     let known = [
         Format::Golden,
         Format::Schedule,

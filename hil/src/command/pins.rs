@@ -17,11 +17,12 @@ use palpate_run::{Failure, damaged};
 /// beside anything else.
 pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);
-    let is_dump = matches!(format_of(b), Some(Format::Vcd | Format::Fst));
+    let is_dump = matches!(format_of(b), Some(Format::Vcd | Format::Fst | Format::Ghw));
     let is_beside_contacts = ends(a, "csv");
     (is_dump && !is_beside_contacts)
         || ends(b, "vcd")
         || ends(b, "fst")
+        || ends(b, "ghw")
         || (ends(b, "csv") && ends(a, "jsonl"))
 }
 

@@ -208,14 +208,93 @@ fn as_fst(vcd: &str) -> Vec<u8> {
     fst.finish().unwrap().into_inner()
 }
 
+/// The pins of a dump of ours as GHDL writes them, with the words of a machine whose highest byte comes first.
+fn as_ghw(vcd: &str) -> Vec<u8> {
+    let (mut names, mut hierarchy, mut pins) = (Vec::new(), Vec::new(), BTreeMap::new());
+    let mut name = |name: &str| {
+        names.push(format!("{name}\0"));
+        names.len() as u8
+    };
+    let (declared, changes) = vcd.split_once("$enddefinitions $end\n").unwrap();
+    for line in declared.lines() {
+        match line.split(' ').collect::<Vec<_>>()[..] {
+            ["$scope", "module", scope, _] => hierarchy.extend([6, name(scope)]),
+            ["$upscope", _] => hierarchy.push(15),
+            ["$var", "wire", "1", code, pin, _] => {
+                pins.insert(code, pins.len() as u8 + 1);
+                hierarchy.extend([18, name(pin), 1, pins.len() as u8]);
+            }
+            _ => {}
+        }
+    }
+    let mut cycles: Vec<(i64, BTreeMap<u8, u8>)> = Vec::new();
+    for line in changes.lines() {
+        let (sign, rest) = line.split_at(1);
+        match (sign, pins.get(rest)) {
+            ("#", _) => cycles.push((rest.parse().unwrap(), BTreeMap::new())),
+            (_, Some(pin)) => {
+                let literal = "ux01zwlh-".find(sign).unwrap() as u8;
+                cycles.last_mut().unwrap().1.insert(*pin, literal);
+            }
+            _ => {}
+        }
+    }
+    let begin = (cycles[0].0 * 1_000_000).to_be_bytes();
+    let (mut values, mut now) = (Vec::new(), cycles[0].0);
+    for (time, changes) in cycles {
+        let mut step = (time - now) * 1_000_000;
+        while !values.is_empty() && step > 0x3f {
+            values.push(step as u8 | 0x80);
+            step >>= 7;
+        }
+        if !values.is_empty() {
+            values.push(step as u8);
+        }
+        now = time;
+        let mut last = 0;
+        for (pin, literal) in changes {
+            values.extend([pin - last, literal]);
+            last = pin;
+        }
+        values.push(0);
+    }
+    let names = names.concat();
+    let count = names.matches('\0').count();
+    let word = |number: usize| (number as u32).to_be_bytes();
+    [
+        b"GHDLwave\n\x10\0\x01\x02\x04\x01\0STR\0\0\0\0\0",
+        &word(count)[..],
+        &word(names.len() - count),
+        names.as_bytes(),
+        b"EOS\0TYP\0\0\0\0\0\0\0\0\x01\x17\0\x09",
+        &[0; 9],
+        b"\0WKT\0\0\0\0\0\x03\x01\0HIE\0\0\0\0\0",
+        &[0; 12],
+        &hierarchy,
+        b"\0EOH\0SNP\0\0\0\0\0",
+        &begin,
+        &vec![2; pins.len()],
+        b"ESN\0CYC\0",
+        &begin,
+        &values,
+        b"\x7fECY\0DIR\0\x02\x04\x01\0",
+        &word(8),
+        &[0; 64],
+        b"EOD\0TAI\0",
+        &[0; 8],
+    ]
+    .concat()
+}
+
 /// Pins of a run, and their schedule.
 fn write_pins(folder: &Folder) {
     let path = |name: &str| folder.path(name).display().to_string();
     let (plan, vcd) = (path("plan.jsonl"), path("pins.vcd"));
     let run = ["run", "sphere-along", "--quiet"];
     good(&[&run[..], &["--record", &plan, "--record", &vcd]].concat());
-    fs::write(folder.path("pins.fst"), as_fst(&folder.text("pins.vcd"))).unwrap();
-    folder.write("pins.ghw", "GHDLwave\n");
+    let pins = folder.text("pins.vcd");
+    fs::write(folder.path("pins.fst"), as_fst(&pins)).unwrap();
+    fs::write(folder.path("pins.ghw"), as_ghw(&pins)).unwrap();
 }
 
 /// A file of every format in the table.

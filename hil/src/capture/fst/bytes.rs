@@ -4,7 +4,8 @@ use std::io::{self, Read, Seek, SeekFrom};
 
 use palpate_files::said;
 
-use super::super::declared::Wrong;
+use super::super::declared::{Wrong, damaged};
+use super::super::leb128;
 
 /// Most bytes of a part, packed or not.
 pub(super) const MOST_PART: u64 = 64 << 20;
@@ -14,11 +15,6 @@ pub(super) const MOST_PART: u64 = 64 << 20;
 pub(super) struct Source<R> {
     input: R,
     length: u64,
-}
-
-/// A refusal of other bytes than were expected.
-pub(super) fn damaged(expected: &'static str) -> Wrong {
-    (expected, "a damaged or unfinished dump".into())
 }
 
 impl<R: Read + Seek> Source<R> {
@@ -73,34 +69,12 @@ impl<'a> Bytes<'a> {
 
     /// A number in LEB128.
     pub(super) fn number(&mut self) -> Option<u64> {
-        let mut number = 0;
-        for shift in (0..64).step_by(7) {
-            let byte = self.byte()?;
-            let bits = u64::from(byte & 0x7f);
-            number |= bits << shift;
-            if byte & 0x80 == 0 {
-                return (shift < 63 || bits < 2).then_some(number);
-            }
-        }
-        None
+        leb128::unsigned(|| self.byte().ok_or(())).ok().flatten()
     }
 
     /// A number with a sign, in LEB128.
     pub(super) fn signed(&mut self) -> Option<i64> {
-        let mut number = 0;
-        for shift in (0..64).step_by(7) {
-            let byte = self.byte()?;
-            number |= i64::from(byte & 0x7f) << shift;
-            if byte & 0x80 == 0 {
-                let is_negative = byte & 0x40 != 0 && shift < 57;
-                return Some(if is_negative {
-                    number | (-1 << (shift + 7))
-                } else {
-                    number
-                });
-            }
-        }
-        None
+        leb128::signed(|| self.byte().ok_or(())).ok().flatten()
     }
 
     /// A text up to a NUL, without it.

@@ -1,7 +1,7 @@
 //! Declarations of a dump: scopes, variables, and attributes, which are passed over.
 
-use super::super::declared::{Declared, Wrong};
-use super::bytes::{Bytes, damaged};
+use super::super::declared::{Declared, Wrong, damaged};
+use super::bytes::Bytes;
 
 /// Kinds of entries, by the format's numbers; a lower one is that of a variable.
 const LAST_VARIABLE: u8 = 29;
@@ -9,8 +9,9 @@ const ATTRIBUTE: u8 = 252;
 const ATTRIBUTE_END: u8 = 253;
 const SCOPE: u8 = 254;
 const UPSCOPE: u8 = 255;
-/// Kinds of variables that are no levels: events, parameters, reals, ports with strengths, texts.
-const NO_LEVELS: [u8; 8] = [0, 2, 3, 4, 18, 20, 21, 29];
+/// Kinds of variables that are no levels: events, integers (of one bit in a dump of GHDL), parameters, reals, ports with strengths,
+/// texts.
+const NO_LEVELS: [u8; 9] = [0, 1, 2, 3, 4, 18, 20, 21, 29];
 
 /// The signals of one bit by their handles, which count from 1, and the number of handles.
 pub(super) fn declared(hierarchy: &[u8]) -> Result<(Declared<u64>, u64), Wrong> {

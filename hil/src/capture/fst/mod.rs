@@ -8,13 +8,13 @@ mod bytes;
 mod hierarchy;
 mod section;
 
-use std::io::{Read, Seek};
+use std::io::{Cursor, Read, Seek};
 
 use palpate_files::FileError;
 
-use self::bytes::{Bytes, Packing, Source, damaged, perhaps_zlib};
+use self::bytes::{Bytes, MOST_PART, Packing, Source, perhaps_zlib};
 use self::section::{Change, Section};
-use super::declared::{Declared, Wrong};
+use super::declared::{Declared, Wrong, damaged};
 use super::dump::level;
 use super::edges::Capture;
 use super::{MOST_CHANGES, too_long};
@@ -26,6 +26,8 @@ const WIDTHS: u8 = 3;
 const NAMES: [u8; 3] = [4, 6, 7];
 const SECTIONS: [u8; 3] = [1, 5, 8];
 const SKIPPED: u8 = 255;
+/// The whole dump, packed.
+const PACKED: u8 = 254;
 /// Length of a header, bytes.
 const HEADER_LENGTH: u64 = 329;
 
@@ -95,6 +97,32 @@ impl Clock {
 pub(super) fn read(label: &str, input: impl Read + Seek) -> Result<Capture, FileError> {
     let told = |(expected, found): Wrong| FileError::whole(label, expected, found);
     let mut source = Source::new(input).map_err(told)?;
+    match unpacked(&mut source).map_err(told)? {
+        Some(plain) => read_plain(label, Source::new(Cursor::new(plain)).map_err(told)?),
+        None => read_plain(label, source),
+    }
+}
+
+/// The dump within one that is packed as a whole, as GHDL writes it; none for any other.
+fn unpacked(source: &mut Source<impl Read + Seek>) -> Result<Option<Vec<u8>>, Wrong> {
+    let wrong = || damaged("a whole dump, packed by gzip");
+    if source.part(0, 1)? != [PACKED] {
+        return Ok(None);
+    }
+    let part = source.part(1, source.length() - 1)?;
+    let mut rest = Bytes(&part);
+    let (length, plain) = (rest.wide(), rest.wide().ok_or_else(wrong)?);
+    if plain > MOST_PART {
+        let found = format!("{plain} (fst2vcd FILE.fst > FILE.vcd)");
+        return Err(("a packed dump of at most 64 MiB", found));
+    }
+    let plain = Packing::Gzip.unpack(rest.0, plain);
+    let plain = plain.filter(|_| length == Some(part.len() as u64));
+    plain.map(Some).ok_or_else(wrong)
+}
+
+fn read_plain(label: &str, mut source: Source<impl Read + Seek>) -> Result<Capture, FileError> {
+    let told = |(expected, found): Wrong| FileError::whole(label, expected, found);
     let blocks = blocks(&mut source).map_err(told)?;
     let switched = switched(&mut source, &blocks).map_err(told)?;
     let mut dump = Dump::declared(source, &blocks).map_err(told)?;

@@ -3,9 +3,9 @@
 use std::io::{Read, Seek};
 
 use super::super::MOST_CHANGES;
-use super::super::declared::Wrong;
+use super::super::declared::{Wrong, damaged};
 use super::super::dump::level;
-use super::bytes::{Bytes, Packing, Source, damaged, perhaps_zlib};
+use super::bytes::{Bytes, Packing, Source, perhaps_zlib};
 
 /// Most bytes of a few numbers in LEB128.
 const NUMBERS: u64 = 40;
