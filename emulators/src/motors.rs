@@ -1,5 +1,8 @@
 //! Motors on a finger, and the person who wears them: the counterpart of [`WornDisplay`](crate::worn::WornDisplay).
 
+mod coils;
+
+pub use coils::{Channels, Coils};
 use palpate_core::physics::ParameterError;
 
 use crate::display::i2c::{BusClock, Error, I2cHandle, I2cSegment};
@@ -13,7 +16,7 @@ use crate::person::vibration::{Feeler, Shake};
 use crate::time::Nanos;
 
 /// Time between two looks at the motors: less than their half periods.
-const LOOK: Nanos = Nanos::from_micros(1000);
+pub const LOOK: Nanos = Nanos::from_micros(1000);
 
 /// A motor's place on the finger, and the switch and channel before its driver; `None` for one alone on the bus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +49,8 @@ pub struct WornMotors {
     totals: MotorTotals,
     now: Nanos,
     shakes: Vec<Shake>,
+    /// Voice coils on a sound card, in place of chips on the bus.
+    coils: Option<Coils>,
 }
 
 impl WornMotors {
@@ -69,6 +74,21 @@ impl WornMotors {
         }
         let muxes = muxes.into_iter().map(|(_, mux)| mux).collect();
         let segment = I2cSegment::new(BusClock::Fast, Vec::new()).with_haptics(muxes, alone);
+        Self::on(segment, contact, places, None)
+    }
+
+    /// Voice coils at these places, at rest, on the channels of a sound card. Nothing is on the bus.
+    pub fn on_card(coils: Coils, contact: Contact, places: &[MotorPlace]) -> Self {
+        let empty = I2cSegment::new(BusClock::Fast, Vec::new());
+        Self::on(empty, contact, places, Some(coils))
+    }
+
+    fn on(
+        segment: I2cSegment,
+        contact: Contact,
+        places: &[MotorPlace],
+        coils: Option<Coils>,
+    ) -> Self {
         Self {
             bus: I2cHandle::new(segment),
             places: places.to_vec(),
@@ -78,6 +98,7 @@ impl WornMotors {
             totals: MotorTotals::default(),
             now: Nanos::ZERO,
             shakes: vec![Shake::default(); places.len()],
+            coils,
         }
     }
 
@@ -106,15 +127,31 @@ impl WornMotors {
             let seconds = end.since(self.now).as_secs_f64();
             self.bus
                 .with(|segment| segment.advance(end, &mut |_, _| ()))?;
-            self.look(seconds)?;
+            match &mut self.coils {
+                Some(coils) => {
+                    coils.play(end, &self.contact, &mut self.shakes, &mut self.totals);
+                }
+                None => self.look()?,
+            }
+            for shake in &self.shakes {
+                self.exposure.add(1e-6 * shake.um, shake.hz, seconds);
+            }
+            if let Some(feeler) = &mut self.feeler {
+                feeler.pass(&self.shakes, seconds);
+            }
             self.now = end;
         }
         Ok(())
     }
 
+    /// Time up to which the motors have moved.
+    pub const fn now(&self) -> Nanos {
+        self.now
+    }
+
     /// Takes the motors' motion for that of the step that ends now.
-    fn look(&mut self, seconds: f64) -> Result<(), Error> {
-        let (contact, totals, exposure) = (&self.contact, &mut self.totals, &mut self.exposure);
+    fn look(&mut self) -> Result<(), Error> {
+        let (contact, totals) = (&self.contact, &mut self.totals);
         let (places, shakes) = (&self.places, &mut self.shakes);
         self.bus.with(|segment| {
             for (place, shake) in places.iter().zip(&mut *shakes) {
@@ -137,13 +174,13 @@ impl WornMotors {
                 if let Drive::Wave { peak: volts, .. } | Drive::Steady(volts) = *chip.output() {
                     totals.drive_v = totals.drive_v.max(volts.abs());
                 }
-                exposure.add(1e-6 * shake.um, hz, seconds);
             }
-        })?;
-        if let Some(feeler) = &mut self.feeler {
-            feeler.pass(shakes, seconds);
-        }
-        Ok(())
+        })
+    }
+
+    /// The voice coils, where the bench has them.
+    pub const fn coils_mut(&mut self) -> Option<&mut Coils> {
+        self.coils.as_mut()
     }
 
     /// Does something to a motor's driver; nothing where there is none of this number.

@@ -405,6 +405,10 @@ pub struct RunArgs {
     /// Write the report: one page with plots.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Write what the sound card of a bench of voice coils played, as a WAV file of all channels; `-` is standard output, and
+    /// nothing else goes there. Emulated benches.
+    #[arg(long, value_name = "FILE", conflicts_with = "again")]
+    pub wav: Option<PathBuf>,
     /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump, .mcap
     /// everything, .vcd pins, ticks and temperatures, .snap golden. Repeatable.
     #[arg(short = 'r', long, value_name = "FILE")]
@@ -424,7 +428,7 @@ pub struct RunArgs {
     /// The wearer's calibration for the loop, built in or a file, such as `hil study analyse` writes.
     #[arg(long, value_name = "NAME|FILE")]
     pub wearer: Option<String>,
-    /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
+    /// The emulated person who feels it, built in (typical, sensitive, dull, back) or a file.
     #[arg(long, value_name = "NAME|FILE")]
     pub person: Option<String>,
 }

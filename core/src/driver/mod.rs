@@ -1,6 +1,8 @@
 //! Drivers: guarded updates in, bytes out.
 
 mod actuators;
+mod audio;
+mod audio_fault;
 mod banks;
 mod dac7578;
 mod haptic_fault;
@@ -12,6 +14,8 @@ mod unit;
 mod unit_fault;
 
 pub use actuators::{Actuators, Driver};
+pub use audio::{Audio, AudioPlan, AudioSink, FULL_SCALE};
+pub use audio_fault::{AudioFault, AudioPlanError};
 pub use banks::Banks;
 pub use haptic_fault::{HapticFault, HapticPlanError};
 pub use haptics::{HapticCalibration, HapticChannel, HapticMotor, Haptics};

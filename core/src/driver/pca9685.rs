@@ -9,7 +9,7 @@ use alloc::boxed::Box;
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
 use super::dac7578::Converter;
-use super::{Actuators, HapticFault, UnitFault, WHOLE};
+use super::{Actuators, AudioFault, HapticFault, UnitFault, WHOLE};
 use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
@@ -38,6 +38,9 @@ pub enum DriverError {
     /// A haptic driver cannot be driven.
     #[error(transparent)]
     Haptic(HapticFault),
+    /// A sound card cannot be driven.
+    #[error(transparent)]
+    Audio(AudioFault),
 }
 
 impl DriverError {

@@ -44,7 +44,7 @@ impl LraParameters {
     }
 
     /// Half the damping over the mass, 1/s.
-    fn damping(&self, closed: bool) -> f64 {
+    pub(super) fn damping(&self, closed: bool) -> f64 {
         let mechanical = self.mass_kg * self.omega() / self.quality;
         let electrical = self.force_n_a * self.force_n_a / self.ohm;
         (mechanical + if closed { electrical } else { 0.0 }) / (2.0 * self.mass_kg)

@@ -1,14 +1,17 @@
-//! Haptic drivers and motors: DRV2605L chips, alone or behind a TCA9548A multiplexer, with the motors that they drive.
+//! Haptic drivers and motors: DRV2605L chips, alone or behind a TCA9548A multiplexer, with the motors that they drive, and
+//! voice coils on the channels of a sound card.
 //!
 //! [`I2cSegment::with_haptics`](crate::display::i2c::I2cSegment::with_haptics) puts them on a bus. Every chip owns its
 //! motor: time that passes for the chip moves the mass and warms the coil.
 
+pub mod card;
 pub mod contact;
 pub mod drv2605;
 pub mod erm;
 pub mod exposure;
 pub mod lra;
 pub mod tca9548a;
+pub mod voice_coil;
 
 use erm::Erm;
 use lra::Lra;
@@ -106,8 +109,8 @@ impl Motor {
     /// Temperature of the coil over that of the air, K.
     pub const fn coil_rise_k(&self) -> f64 {
         match self {
-            Self::Lra(lra) => lra.coil.celsius - lra.coil.air_c,
-            Self::Erm(erm) => erm.coil.celsius - erm.coil.air_c,
+            Self::Lra(lra) => lra.coil.rise_k(),
+            Self::Erm(erm) => erm.coil.rise_k(),
         }
     }
 
@@ -119,6 +122,14 @@ impl Motor {
         }
     }
 
+    /// The coil.
+    pub const fn coil_mut(&mut self) -> &mut Coil {
+        match self {
+            Self::Lra(lra) => &mut lra.coil,
+            Self::Erm(erm) => &mut erm.coil,
+        }
+    }
+
     /// Breaks the motor, or repairs it.
     pub const fn set_fault(&mut self, fault: Option<MotorFault>) {
         match self {
@@ -127,6 +138,9 @@ impl Motor {
         }
     }
 }
+
+/// Rise of a covered coil over that of a free one, 1.
+const COVERED: f64 = 10.0;
 
 /// A coil that its losses warm: one heat capacity to the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +167,17 @@ impl Coil {
             air_c: 25.0,
             celsius: 25.0,
         }
+    }
+
+    /// Covers the coil, so that it loses heat ten times worse than one that hangs free, or uncovers it.
+    pub const fn set_covered(&mut self, covered: bool) {
+        let free = Self::new(self.ohm).kelvin_per_watt;
+        self.kelvin_per_watt = if covered { COVERED * free } else { free };
+    }
+
+    /// Temperature over that of the air, K.
+    pub const fn rise_k(&self) -> f64 {
+        self.celsius - self.air_c
     }
 
     /// Lets `seconds` pass with a mean loss, W.

@@ -1,5 +1,6 @@
 //! Benches: the hardware that a scene runs on, and the drive of its wires.
 
+mod audio;
 mod dac;
 mod displays;
 mod haptics;
@@ -18,6 +19,7 @@ use super::mount::{BenchMount, BenchTissue};
 use super::settings::{bounds, settings};
 use super::source::Source;
 use super::warmth::SKIN_C;
+pub use audio::BenchAudio;
 pub use dac::BenchDac;
 pub use displays::BenchDisplay;
 pub use haptics::{BenchHaptics, HapticDriver, MotorKind};

@@ -55,7 +55,7 @@ force_n = { mean = 50.0 }
         "f.toml:7: noise_lsb[0]: expected a number, found \"a\"",
         "f.toml:9: illusion.model: expected one of `phantom`",
         "f.toml:10: illusion.alpha: expected a number from 0 to 1, found 1.5",
-        "f.toml:11: illusion.person: expected a person (dull, sensitive, typical) or a file, found \"typicl\"; did you mean `typical`?",
+        "f.toml:11: illusion.person: expected a person (back, dull, sensitive, typical) or a file, found \"typicl\"; did you mean `typical`?",
         "f.toml:13: touches[0].start_s: expected a number, found \"soon\"",
         "f.toml:14: touches[0].path.points_mm[0][1]: expected a number, found \"x\"",
         "f.toml:15: touches[0].force_n.maen: expected one of the keys",

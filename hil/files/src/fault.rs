@@ -112,6 +112,12 @@ kinds! {
     DriverHot = "driver-hot" ["motor"] [],
     /// The I2C switch before a motor's driver, whose channels stay as they are.
     SwitchStuck = "switch-stuck" ["motor"] [],
+    /// A motor's coil that is covered, and loses heat ten times worse.
+    CoilHot = "coil-hot" ["motor"] [],
+    /// A sound card that runs out of samples.
+    AudioUnderrun = "audio-underrun" [] [],
+    /// A sound card that plays nothing and takes no samples.
+    AudioStalled = "audio-stalled" [] [],
 }
 
 /// One fault.
@@ -166,6 +172,12 @@ impl FaultKind {
     #[must_use]
     pub fn is_of_motors(self) -> bool {
         self >= Self::MotorOpen
+    }
+
+    /// Returns true if it happens to a sound card.
+    #[must_use]
+    pub fn is_of_audio(self) -> bool {
+        self >= Self::AudioUnderrun
     }
 
     /// Returns true if it happens to an I2C bus, whatever is on it.

@@ -43,6 +43,8 @@ pub enum Format {
     Numpy,
     /// Arrays of NumPy in an archive.
     Npz,
+    /// Samples of a sound card.
+    Wav,
     /// Arrays of MATLAB, version 5.
     Matlab,
     /// A format that is refused: a picture, an archive, a log of another program. The name tells it, and how to
@@ -123,6 +125,9 @@ impl Format {
     pub fn recognise(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"PK\x03\x04") && start.windows(4).take(256).any(|w| w == b".npy") {
             return Some(Self::Npz);
+        }
+        if start.starts_with(b"RIFF") && start.get(8..12) == Some(b"WAVE") {
+            return Some(Self::Wav);
         }
         let magic = MAGIC.iter().find(|(magic, _)| start.starts_with(magic));
         if let Some((_, format)) = magic {
@@ -263,6 +268,7 @@ impl Format {
                 | Self::Numpy
                 | Self::Npz
                 | Self::Matlab
+                | Self::Wav
                 | Self::Binary(_)
         )
     }
@@ -291,6 +297,7 @@ impl Format {
             Self::Numpy => "a NumPy array",
             Self::Npz => "NumPy arrays (.npz)",
             Self::Matlab => "MATLAB arrays",
+            Self::Wav => "a WAV file",
             Self::Binary(what) => what,
         }
     }

@@ -91,8 +91,9 @@ pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use band::BandFile;
 pub use bench::{
-    Amplifier, Bench, BenchDac, BenchDisplay, BenchHaptics, BenchHeat, BenchKind, BenchUnit,
-    BenchWire, Drive, ExternalClock, HapticDriver, MotorKind, Network, Output, OutputEnable, Real,
+    Amplifier, Bench, BenchAudio, BenchDac, BenchDisplay, BenchHaptics, BenchHeat, BenchKind,
+    BenchUnit, BenchWire, Drive, ExternalClock, HapticDriver, MotorKind, Network, Output,
+    OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use clock::Timing;

@@ -29,6 +29,9 @@ fn every_shipped_scene_runs_on_its_own_bench_and_on_no_bench_without_what_it_wan
     }
     let benches = [
         ("allegro-rubs", "allegro-hand"),
+        ("back-circle", "lra-grid-4x3"),
+        ("coils-circle", "voice-coil-8"),
+        ("coins-along", "lra-8"),
         ("sphere-along-wifi", "unit"),
         ("ten-fingers", "ten-fingers"),
         ("warm-materials", "warm"),

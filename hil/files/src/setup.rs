@@ -449,6 +449,22 @@ fn check_faults(
             };
             return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
         }
+        let of_chips = [FaultKind::DriverHot, FaultKind::SwitchStuck];
+        let is_of_chips = fault.kind.is_of_i2c() || of_chips.contains(&fault.kind);
+        let card = bench.haptics.as_ref().map(|h| h.audio.is_some());
+        if card.is_some_and(|card| {
+            if card {
+                is_of_chips
+            } else {
+                fault.kind.is_of_audio()
+            }
+        }) {
+            let expected = match card {
+                Some(true) => "a fault that motors on a sound card can have: there is no I2C bus",
+                _ => "a fault that motors behind an I2C bus can have: there is no sound card",
+            };
+            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        }
         if fault.kind.is_of_converters() && bench.dac.is_none() {
             let expected = "a bench with [dac]: there is no converter to fail";
             return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));

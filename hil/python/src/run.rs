@@ -106,6 +106,7 @@ pub fn run(
     let keep = Keep {
         can: true,
         i2c: true,
+        audio: false,
         readings: KeptReadings::All,
         spread: true,
         summary: false,

@@ -30,6 +30,7 @@ pub mod table_schema;
 pub mod trace;
 pub mod vcd;
 pub mod verdict;
+pub mod wav;
 pub mod words;
 
 #[cfg(test)]

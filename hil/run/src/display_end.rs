@@ -10,12 +10,12 @@ use palpate_files::Setup;
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
-use crate::Keep;
 use crate::failure::Failure;
 pub use crate::output_enable::OutputEnable;
 use crate::recorder::Recorder;
 use crate::script::FaultReport;
 use crate::skin_end::FaultySkin;
+use crate::{Keep, Sound};
 
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
 pub(crate) const I2C_LOG: usize = 1 << 20;
@@ -51,6 +51,11 @@ pub trait DisplayEnd {
     /// Takes the transfers that crossed the display's bus since the last call; empty where no log is kept.
     fn take_transfers(&mut self) -> Vec<Transfer> {
         Vec::new()
+    }
+
+    /// Takes what a sound card of the display has played, where that is kept.
+    fn take_sound(&mut self) -> Option<Sound> {
+        None
     }
 
     /// Lets time pass until `now`.

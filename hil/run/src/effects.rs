@@ -47,7 +47,7 @@ pub struct FaultyDisplay<'a> {
     /// The Peltier module, where the bench has one.
     pub heat: Option<PeltierHandle>,
     /// The motors, where the bench has them.
-    pub motors: Option<&'a WornMotors>,
+    pub motors: Option<&'a mut WornMotors>,
 }
 
 /// Rules of the CAN fault layer for a fault, by identifier.
@@ -116,25 +116,43 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
     begins
 }
 
-/// Does a fault to a motor, its driver or the switch before it, or mends it.
-pub(super) fn on_motor(bench: &Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
+/// Does a fault to a motor, its driver or what is before it, or mends it.
+pub(super) fn on_motor(bench: &mut Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
     // A page has no bench of motors.
     let is_page = cfg!(target_family = "wasm");
-    let display = bench.display.as_ref().filter(|_| !is_page);
-    let motors = display.and_then(|d| d.motors);
-    let Some((motors, motor)) = motors.zip(fault.motor) else {
+    let display = bench.display.as_mut().filter(|_| !is_page);
+    let Some(motors) = display.and_then(|d| d.motors.as_deref_mut()) else {
         return;
     };
-    let at = Nanos::from(now);
+    let (at, motor) = (Nanos::from(now), fault.motor.unwrap_or(0));
+    let broken = match fault.kind {
+        FaultKind::MotorStuck => Some(MotorFault::Stuck),
+        FaultKind::MotorOpen => Some(MotorFault::Open),
+        _ => None,
+    };
+    if let Some(coils) = motors.coils_mut() {
+        match (fault.kind, begins) {
+            (FaultKind::AudioUnderrun, true) => coils.card().card().starve(),
+            (FaultKind::AudioStalled, _) => coils.card().card().set_stalled(begins),
+            _ => {}
+        }
+        if let Some(coil) = coils.coil_mut(motor) {
+            match fault.kind {
+                FaultKind::CoilHot => coil.coil.set_covered(begins),
+                _ if broken.is_some() => coil.fault = broken.filter(|_| begins),
+                _ => {}
+            }
+        }
+        return;
+    }
     let done = match fault.kind {
         FaultKind::SwitchStuck => motors.on_switch(motor, |switch| switch.set_stuck(begins)),
         FaultKind::DriverHot => motors.on_chip(motor, |chip| chip.set_hot(at, begins)),
-        kind => motors.on_chip(motor, |chip| {
-            let broken = match kind {
-                FaultKind::MotorStuck => MotorFault::Stuck,
-                _ => MotorFault::Open,
-            };
-            chip.motor_mut().set_fault(begins.then_some(broken));
+        FaultKind::CoilHot => motors.on_chip(motor, |chip| {
+            chip.motor_mut().coil_mut().set_covered(begins);
+        }),
+        _ => motors.on_chip(motor, |chip| {
+            chip.motor_mut().set_fault(broken.filter(|_| begins));
         }),
     };
     // Refused only from inside another look at the segment, and there is none here.

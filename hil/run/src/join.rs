@@ -113,6 +113,7 @@ pub fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
         failure: parts.iter().find_map(failed),
         can: common.can,
         i2c,
+        sound: None,
         readings: None,
         notes: Vec::new(),
         pass: None,

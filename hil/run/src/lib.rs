@@ -159,6 +159,8 @@ pub struct Outcome {
     pub can: Vec<Received>,
     /// Messages on the actuator buses, if they were to be kept.
     pub i2c: Vec<Transfer>,
+    /// Samples that the sound card of a bench's voice coils played, where it has one; empty if they were not to be kept.
+    pub sound: Option<Sound>,
     /// Readings of taxels, where they are kept.
     pub readings: Option<Readings>,
     /// Remarks for the user, such as a recording that ends too early.
@@ -180,6 +182,17 @@ impl Outcome {
     }
 }
 
+/// Samples as a sound card played them, silence included, from the start of the run on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sound {
+    /// Frames per second.
+    pub rate_hz: u32,
+    /// Samples in a frame.
+    pub channels: usize,
+    /// Frame after frame.
+    pub samples: Vec<i16>,
+}
+
 /// The run of one of several displays. Wires have the display's own numbers, boards and modules those of bench and skin.
 #[derive(Debug)]
 pub struct DisplayOutcome {
@@ -196,6 +209,8 @@ pub struct Keep {
     pub can: bool,
     /// Every message on the actuator buses.
     pub i2c: bool,
+    /// Every sample that a sound card plays: 0.8 MB a second for eight channels of 48 kHz.
+    pub audio: bool,
     /// Readings of taxels to keep.
     pub readings: KeptReadings,
     /// The summary alone: records that no figure of the summary needs are dropped while the run goes on, so that memory

@@ -386,7 +386,7 @@ impl DisplayEnd for EmulatedDisplay {
                 DriverError::Current(of(board), output, expected, found)
             }
             DriverError::NoConverter(board, output) => DriverError::NoConverter(of(board), output),
-            DriverError::Unit(_) | DriverError::Haptic(_) => *error,
+            DriverError::Unit(_) | DriverError::Haptic(_) | DriverError::Audio(_) => *error,
         };
         error.to_string()
     }

@@ -1,7 +1,7 @@
 //! `hil run`.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use palpate_records::verdict::Verdict;
 
@@ -32,7 +32,7 @@ pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
-    let args = &by_recipe(args)?;
+    let args = &by_stdout(by_recipe(args)?)?;
     let timing = timing(args)?;
     let setup = setup(args)?;
     let plan = prepare(args, &setup)?;
@@ -85,6 +85,20 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     }
 }
 
+/// The command line with standard output for `--wav -` alone.
+fn by_stdout(mut args: RunArgs) -> Result<RunArgs, Failure> {
+    if args.wav.as_deref() == Some(Path::new("-")) {
+        if args.voice.json || args.long || args.explain {
+            return Err(Failure::Input(
+                "--wav -: expected a file, or no --json, --long or --explain: samples have standard output to themselves".into(),
+            ));
+        }
+        args.wav = Some("/dev/stdout".into());
+        args.voice.quiet = true;
+    }
+    Ok(args)
+}
+
 /// The command line with what the recipe of its only recording says in place of what was left out.
 fn by_recipe(args: &RunArgs) -> Result<RunArgs, Failure> {
     let mut args = args.clone();
@@ -131,6 +145,7 @@ fn prepare(args: &RunArgs, setup: &Setup) -> Result<Plan, Failure> {
         spread: told,
         can: wants(Format::Candump) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
+        audio: wants(Format::Wav),
         readings: match (wants(Format::Mcap), wants(Format::Html)) {
             (true, _) => KeptReadings::All,
             (false, true) => KeptReadings::Sampled,

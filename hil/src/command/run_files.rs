@@ -10,6 +10,7 @@ use palpate_records::mcap::{BusTraffic, write_mcap};
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::schedule_golden;
 use palpate_records::vcd::write_vcd;
+use palpate_records::wav::write_wav;
 use palpate_run::{Failure, Outcome, attachments};
 
 use super::report::{hand, report};
@@ -97,6 +98,10 @@ fn write_one(format: Format, path: &Path, setup: &Setup, outcome: &Outcome) -> R
             write_mcap(run, traffic, &attachments(setup), out)
         }
         Format::Vcd => write_vcd(&outcome.trace, out),
+        Format::Wav => match &outcome.sound {
+            Some(sound) => write_wav(sound.rate_hz, sound.channels, &sound.samples, out),
+            None => Err(io::Error::other("no sound card played")),
+        },
         Format::Schedule => write_schedule(&outcome.trace, out),
         Format::Candump => write_can_log(&outcome.can, &[], out),
         Format::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
@@ -137,6 +142,16 @@ pub(super) fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathB
     }
     files.extend(args.schedule.iter().map(|p| (Format::Schedule, p.clone())));
     files.extend(args.html.iter().map(|p| (Format::Html, p.clone())));
+    if let Some(path) = &args.wav {
+        let haptics = setup.bench.value.haptics.as_ref();
+        if haptics.is_none_or(|haptics| haptics.audio.is_none()) {
+            return Err(Failure::Input(format!(
+                "--wav: expected a bench with voice coils on a sound card, such as `voice-coil-8`, found `{}`",
+                setup.bench.value.name
+            )));
+        }
+        files.push((Format::Wav, path.clone()));
+    }
     for path in &args.record {
         files.push((format_of_record(path)?, path.clone()));
     }

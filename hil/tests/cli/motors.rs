@@ -79,3 +79,102 @@ fn what_is_of_wires_refuses_motors_in_a_sentence() {
         assert_eq!(said.err.trim_end().lines().count(), 1, "{}", said.err);
     }
 }
+
+#[test]
+fn voice_coils_play_into_a_wav_file_or_a_pipe() {
+    let folder = Folder::new("wav");
+    let run = [
+        "run",
+        "sphere-along",
+        "--bench",
+        "voice-coil-8",
+        "--set",
+        "length_s=3",
+    ];
+    let said = hil_in(&folder.0, &[&run[..], &["--wav", "a.wav"]].concat());
+    assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
+    assert!(
+        said.out.contains("motors") && said.out.contains("wrote           a.wav"),
+        "{}",
+        said.out
+    );
+    let file = fs::read(folder.path("a.wav")).unwrap();
+    // Eight channels of 16 bits at 48 kHz, with 0.2 s of silence after the run.
+    assert_eq!(&file[..4], b"RIFF");
+    let samples = 16 * 48_000 * 32 / 10;
+    assert!(
+        file.len() > samples && file.len() < samples + 2000,
+        "{}",
+        file.len()
+    );
+    // Again over itself, and into a pipe.
+    let again = hil_in(
+        &folder.0,
+        &[&run[..], &["--wav", "a.wav", "--quiet"]].concat(),
+    );
+    assert_eq!(again.status, Some(0), "{}", again.err);
+    let piped = command(&[&run[..], &["--wav", "-"]].concat(), &folder.0)
+        .output()
+        .unwrap();
+    assert!(piped.status.success() && piped.stdout == file);
+    assert!(piped.stderr.is_empty());
+}
+
+#[test]
+fn a_wav_that_cannot_be_is_refused_in_a_sentence() {
+    let coils = [
+        "run",
+        "sphere-along",
+        "--bench",
+        "voice-coil-8",
+        "--set",
+        "length_s=2",
+    ];
+    for (arguments, status, words) in [
+        (
+            &["run", "sphere-along", "--wav", "a.wav"][..],
+            2,
+            "--wav: expected a bench with voice coils on a sound card",
+        ),
+        (
+            &["run", "sphere-along", "--bench", "lra-8", "--wav", "a.wav"],
+            2,
+            "such as `voice-coil-8`, found `lra-8`",
+        ),
+        (
+            &[&coils[..], &["--wav", "-", "--json"]].concat(),
+            2,
+            "samples have standard output to themselves",
+        ),
+        (
+            &[&coils[..], &["--wav", "/dev/full"]].concat(),
+            3,
+            "/dev/full: cannot be written: No space left",
+        ),
+        (
+            &[&coils[..], &["--wav", "/nowhere/a.wav"]].concat(),
+            3,
+            "/nowhere/a.wav: cannot be written",
+        ),
+    ] {
+        let said = hil(arguments);
+        assert_eq!(said.status, Some(status), "{arguments:?}: {}", said.err);
+        assert!(said.err.contains(words), "{arguments:?}: {}", said.err);
+        assert_eq!(said.err.trim_end().lines().count(), 1, "{}", said.err);
+    }
+}
+
+#[test]
+fn scenes_of_motors_bring_their_benches() {
+    for (scene, kind) in [
+        ("coins-along", "lra"),
+        ("coils-circle", "voice-coil"),
+        ("back-circle", "lra"),
+    ] {
+        let said = hil(&["run", scene, "--json"]);
+        assert_eq!(said.status, Some(0), "{scene}: {}", said.err);
+        let summary: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+        assert_eq!(summary["motors"]["kind"], kind, "{scene}");
+        assert_eq!(summary["verdict"], "ok", "{scene}");
+    }
+}

@@ -8,8 +8,11 @@ fn every_shipped_scene_passes_on_the_emulated_bench() {
     let lines: Vec<&str> = out.lines().collect();
     let scenes = palpate_fixtures::scene_names().count();
     let stages = [
-        format!("{} trials on emulated (emulated), seed 1", scenes - 5),
+        format!("{} trials on emulated (emulated), seed 1", scenes - 8),
         "1 trial on allegro-hand (emulated), seed 1".to_owned(),
+        "1 trial on lra-grid-4x3 (emulated), seed 1".to_owned(),
+        "1 trial on voice-coil-8 (emulated), seed 1".to_owned(),
+        "1 trial on lra-8 (emulated), seed 1".to_owned(),
         "2 trials on unit (emulated), seed 1".to_owned(),
         "1 trial on ten-fingers (emulated), seed 1".to_owned(),
         "1 trial on warm (emulated), seed 1".to_owned(),

@@ -46,6 +46,7 @@ const ALL: Keep = Keep {
     spread: false,
     can: true,
     i2c: true,
+    audio: false,
     readings: KeptReadings::All,
     summary: false,
 };

@@ -1,9 +1,11 @@
-//! A bench's `[haptics]`: vibration motors behind DRV2605L drivers, in place of wires.
+//! A bench's `[haptics]`: vibration motors behind DRV2605L drivers, or voice coils on a sound card, in place of wires.
+
+use std::ops::RangeInclusive;
 
 use palpate_core::codec::tca9548a::{ADDRESSES, CHANNELS};
 use serde::Deserialize;
 
-use super::Bench;
+use super::{Bench, BenchAudio};
 use crate::bench::BenchKind;
 use crate::error::FileError;
 use crate::settings::{bounds, settings};
@@ -18,6 +20,8 @@ pub enum MotorKind {
     Lra,
     /// An eccentric rotating mass.
     Erm,
+    /// A voice coil on a channel of a sound card.
+    VoiceCoil,
 }
 
 impl MotorKind {
@@ -27,6 +31,7 @@ impl MotorKind {
         match self {
             Self::Lra => "lra",
             Self::Erm => "erm",
+            Self::VoiceCoil => "voice-coil",
         }
     }
 }
@@ -44,7 +49,7 @@ pub struct HapticDriver {
 }
 
 settings! {
-    /// Equal vibration motors, each behind a DRV2605L, in place of wires. Emulated benches of one display. Left out: the
+    /// Equal vibration motors, each behind a DRV2605L or on a channel of a sound card, in place of wires. Emulated benches of one display. Left out: the
     /// display has wires.
     pub struct BenchHaptics {
         /// Kind of the motors.
@@ -87,6 +92,9 @@ settings! {
         pub calibration: [u8; 3] = [232, 166, 3],
         /// One entry per motor, in the display's order; left out: the channels of one switch after the other, from 0x70 on.
         pub drivers: Vec<HapticDriver>,
+        /// The sound card of voice coils, in place of the keys of drivers: `drivers`, `calibration`, `overdrive_v` and
+        /// `overdrive_ms`.
+        pub audio: Option<BenchAudio>,
     }
 
     /// Coins of 8 mm: every figure is assumed, of the size that data sheets of such coins state.
@@ -103,7 +111,7 @@ impl BenchHaptics {
             full_v: 0.05..=self.rated_v, "V";
             overdrive_v: 0.1..=5.4, "V";
             overdrive_ms: 1.0..=100.0, "ms";
-            resonance_hz: 125.0..=300.0, "Hz";
+            resonance_hz: self.resonances(), "Hz";
             moving_g: 0.01..=100.0, "g";
             case_g: 0.01..=100.0, "g";
             quality: 1.0..=200.0;
@@ -117,6 +125,38 @@ impl BenchHaptics {
             burst_ms: 10.0..=10_000.0, "ms";
             duty: 0.01..=1.0)?;
         source.range("haptics.drivers", &self.drivers.len(), 1..=MOST, "drivers")
+    }
+
+    /// Resonances that what drives the motors can have, Hz: a DRV2605L tracks no others.
+    const fn resonances(&self) -> RangeInclusive<f64> {
+        match self.kind {
+            MotorKind::VoiceCoil => 10.0..=1000.0,
+            MotorKind::Lra | MotorKind::Erm => 125.0..=300.0,
+        }
+    }
+
+    /// Checks that nothing of DRV2605L drivers stands beside a sound card, and no card beside drivers.
+    fn check_plants(&mut self, source: &Source, actuators: usize) -> Result<(), FileError> {
+        if self.kind != MotorKind::VoiceCoil {
+            return match self.audio {
+                None => Ok(()),
+                Some(_) => {
+                    let expected = "no sound card beside DRV2605L drivers: a finger has actuators of one kind; `kind = \"voice-coil\"` has one";
+                    Err(source.bad("haptics.audio", expected))
+                }
+            };
+        }
+        for key in ["drivers", "calibration", "overdrive_v", "overdrive_ms"] {
+            let key = format!("haptics.{key}");
+            if source.states(&key) {
+                let expected = "nothing of DRV2605L drivers beside voice coils, which are on a sound card: [haptics.audio]";
+                return Err(source.bad(&key, expected));
+            }
+        }
+        let full_v = self.full_v;
+        self.audio
+            .get_or_insert_default()
+            .check(source, actuators, full_v)
     }
 
     /// Place of motor `index` if the file states none: eight behind each switch.
@@ -187,6 +227,7 @@ impl Bench {
             let expected = "\"emulated\" with [haptics]: this program drives no motors on hardware";
             return Err(source.bad_found("kind", expected, "\"real\""));
         }
+        haptics.check_plants(source, actuators)?;
         if haptics.drivers.is_empty() {
             haptics.drivers = (0..actuators).map(BenchHaptics::nth).collect();
         }

@@ -160,7 +160,7 @@ fn a_file_states_only_what_differs_from_the_default() {
 fn unknown_names_list_what_exists() {
     assert_eq!(
         load_bench("no-bench").unwrap_err().to_string(),
-        "no-bench: expected a bench (allegro-hand, emulated, lra-8, set-current, ten-fingers, thesis, three-in-line, unit, unit-whole, warm) or a file, found neither of that name"
+        "no-bench: expected a bench (allegro-hand, emulated, lra-8, lra-grid-4x3, set-current, ten-fingers, thesis, three-in-line, unit, unit-whole, voice-coil-8, warm) or a file, found neither of that name"
     );
 }
 

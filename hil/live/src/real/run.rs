@@ -321,6 +321,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
         effort,
         can: Vec::new(),
         i2c: Vec::new(),
+        sound: None,
         notes: Vec::new(),
         displays: Vec::new(),
         pass,

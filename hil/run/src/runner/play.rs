@@ -229,6 +229,7 @@ impl<'a, D: EmulatedEnd> Finger<'a, D> {
             readings: recorder.readings.take(),
             warmth,
             i2c: display.take_transfers(),
+            sound: display.take_sound(),
             trace,
             summary,
             frame_us: costs.iter().map(|c| c.us).collect(),
