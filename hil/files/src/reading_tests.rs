@@ -115,7 +115,7 @@ fn a_format_does_not_depend_on_the_pieces_of_a_pipe() {
         "<?xml version=\"1.0\"?>\n<testsuites>\n",
         "name = \"mine\"\n",
     ] {
-        let format = Format::of(text.as_bytes());
+        let format = Format::recognise(text.as_bytes());
         assert!(format.is_some(), "{text}");
         for length in 1..text.len() {
             let pieces = Pieces(text.as_bytes(), length);
