@@ -25,6 +25,8 @@ mod felt;
 mod finger;
 mod format;
 mod gain;
+#[cfg(not(target_family = "wasm"))]
+mod half;
 mod hardware;
 mod illusion;
 mod joint;
@@ -69,6 +71,8 @@ mod source;
 mod stream;
 mod taken;
 mod texture;
+#[cfg(not(target_family = "wasm"))]
+mod texture_file;
 mod texture_model;
 mod times;
 mod touch;
@@ -99,7 +103,7 @@ pub use columns::{Columns, JOINT, Take};
 pub use error::{FileError, said, unnumbered};
 pub use evidence::{Bound, EvidenceDrive, EvidenceFile, EvidenceRow, Measured};
 pub use fault::{Fault, FaultKind};
-pub use felt::{Felt, FeltBy};
+pub use felt::{DrivenBy, Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
 pub use format::{Format, headed};
 pub use gain::Gain;
@@ -151,7 +155,9 @@ pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;
 pub use texture::{Rated, TextureEntry, TextureTable};
-pub use texture_model::{Layer, Standing, Stands, Tensor, TextureModel, model_file, taxel};
+#[cfg(not(target_family = "wasm"))]
+pub use texture_file::{Precision, TextureDecoder, model_file};
+pub use texture_model::{Layer, Split, Standing, Stands, Tensor, TextureModel, taxel};
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
