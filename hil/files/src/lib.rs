@@ -73,6 +73,7 @@ mod taken;
 mod texture;
 #[cfg(not(target_family = "wasm"))]
 mod texture_file;
+mod texture_layer;
 mod texture_model;
 mod times;
 mod touch;
@@ -157,7 +158,8 @@ pub use stream::Stream;
 pub use texture::{Rated, TextureEntry, TextureTable};
 #[cfg(not(target_family = "wasm"))]
 pub use texture_file::{Precision, TextureDecoder, model_file};
-pub use texture_model::{Layer, Split, Standing, Stands, Tensor, TextureModel, taxel};
+pub use texture_layer::{Layer, Tensor};
+pub use texture_model::{Split, Standing, Stands, TextureModel, taxel};
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;

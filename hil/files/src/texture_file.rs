@@ -6,7 +6,8 @@ use safetensors::{Dtype, SafeTensors};
 
 use crate::error::FileError;
 use crate::half::narrow;
-use crate::texture_model::{FORMAT, Layer, Tensor, TextureModel, bytes, tensor};
+use crate::texture_layer::{Layer, Tensor, tensor};
+use crate::texture_model::{FORMAT, TextureModel, bytes};
 
 /// The decoder of a model: a latent vector, repeated for every step of a window, through GRU layers and a linear one.
 #[derive(Clone, Debug)]
