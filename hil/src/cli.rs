@@ -47,8 +47,8 @@ pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
-    EncodeArgs, ExportArgs, MapArgs, MaterialsArgs, PanelArgs, ResponseArgs, StrokesArgs,
-    TextureAction, TrainArgs,
+    EncodeArgs, ExportArgs, MapArgs, MaterialsArgs, PanelArgs, RebuildArgs, ResponseArgs,
+    StrokesArgs, TextureAction, TrainArgs,
 };
 pub use unit::{UnitArgs, UnitOn};
 

@@ -145,7 +145,7 @@ impl Seeded {
         if !more.iter().any(|(key, _)| *key == "latent") {
             about.push(("latent", latent.to_owned()));
         }
-        palpate_files::model_file(&tensors, &about)
+        palpate_files::model_file(&tensors, &about, palpate_files::Precision::Single)
     }
 }
 

@@ -12,6 +12,11 @@ choice! { /** Carriers of a texture. */ FeltBy {
     /** The contacts: their bursts are thinned out. */ Contacts = "contacts",
 }}
 
+choice! { /** Latent coordinates that drive pulses. */ DrivenBy {
+    /** Those that the model's file names for roughness, friction and hardness. */ Meaning = "meaning",
+    /** z1 alone: mean, deviation and frequency, as in section 3.5.2 of the thesis. Hardness is not felt. */ First = "z1",
+}}
+
 settings! {
     /// A texture that is felt.
     pub struct Felt {
@@ -30,6 +35,8 @@ settings! {
         pub rubs: bool = false,
         /// The texture model: a built-in name or a file.
         pub model: String = "default".into(),
+        /// The latent coordinates that drive its pulses.
+        pub driver: DrivenBy = DrivenBy::Meaning,
         /// True to let hardness be felt where the surface is met and left; left out: where the model knows it and the
         /// activation has taps.
         pub hardness: Option<bool>,

@@ -1,20 +1,22 @@
 //! Model files: safetensors with PyTorch's names and gate order, and a golden vector that the model must give.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use palpate_core::texture::{Drivers, Encoder, Gru, LatentDriver, Model};
 use palpate_core::vector::Vectors;
-use safetensors::tensor::TensorView;
-use safetensors::{Dtype, SafeTensors};
+use safetensors::SafeTensors;
 use serde::Deserialize;
 
 use crate::error::FileError;
+use crate::felt::DrivenBy;
 use crate::reading::read_bytes;
 use crate::texture::TextureEntry;
+use crate::texture_layer::{Layer, Tensor, tensor};
 
 /// The `format` that this program reads.
-const FORMAT: &str = "palpate-texture 1";
+pub(crate) const FORMAT: &str = "palpate-texture 1";
 /// Largest deviation of the golden vector.
 const GOLDEN: f64 = 1e-5;
 /// Largest model file: a larger one is some other file.
@@ -25,40 +27,6 @@ pub fn taxel(column: &str) -> Option<(usize, usize)> {
     let (taxel, axis) = column.strip_prefix("txl")?.split_once('_')?;
     let taxel = taxel.parse::<usize>().ok()?.checked_sub(1)?;
     Some((taxel, ["x", "y", "z"].iter().position(|a| *a == axis)?))
-}
-
-/// A tensor: its shape and its numbers, row by row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tensor {
-    /// Rows and columns, or the length alone.
-    pub shape: Vec<usize>,
-    /// The numbers.
-    pub values: Vec<f32>,
-}
-
-/// One GRU layer of the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// Input weights `[3H, I]`, gates r, z, n.
-    pub weight_ih: Tensor,
-    /// Recurrent weights `[3H, H]`.
-    pub weight_hh: Tensor,
-    /// Input biases `[3H]`.
-    pub bias_ih: Tensor,
-    /// Recurrent biases `[3H]`.
-    pub bias_hh: Tensor,
-}
-
-impl Layer {
-    /// Units H.
-    pub fn units(&self) -> usize {
-        self.weight_hh.shape[1]
-    }
-
-    /// Inputs I.
-    pub fn inputs(&self) -> usize {
-        self.weight_ih.shape[1]
-    }
 }
 
 /// A model whose golden vector came out right.
@@ -108,19 +76,30 @@ pub struct Standing {
     pub hardness: Option<Stands>,
     /// Friction; models that were trained by ratings have none.
     pub friction: Option<Stands>,
+    /// z1 itself, with the direction and the range of what it goes with most nearly.
+    pub first: Option<Stands>,
+}
+
+/// Recordings of each part of a training, by name.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(default)]
+pub struct Split {
+    /// Recordings that it learned from.
+    pub train: Vec<String>,
+    /// Recordings that it was measured with.
+    pub test: Vec<String>,
+    /// Recordings that stopped it.
+    pub validation: Vec<String>,
 }
 
 impl TextureModel {
-    /// The built-in model called `default`, or a file.
+    /// The built-in model called `default` or `thesis`, or a file.
     ///
     /// # Errors
     /// A file that cannot be read, is no such model, or misses its golden vector.
     pub fn open(name: &str) -> Result<Self, FileError> {
-        if let Some(bytes) = palpate_fixtures::model(name) {
-            return Self::parse(&format!("fixtures/models/{name}.safetensors"), bytes);
-        }
-        let bytes = read_bytes(Path::new(name), "`default` or a model file", MOST_BYTES)?;
-        Self::parse(name, &bytes)
+        let (label, bytes) = bytes(name)?;
+        Self::parse(&label, &bytes)
     }
 
     /// Parses a model from the bytes of its file; `label` names it in errors.
@@ -153,36 +132,14 @@ impl TextureModel {
                 format!("{:?}", text("window")),
             )
         })?;
-        let read = |key: &str, dimensions: usize| -> Result<Tensor, FileError> {
-            let view = tensors
-                .tensor(key)
-                .map_err(|_| wrong(key, "a tensor".into(), "none".into()))?;
-            if view.dtype() != Dtype::F32 || view.shape().len() != dimensions {
-                let expected = format!("F32 with {dimensions} dimensions");
-                let found = format!("{:?} of shape {:?}", view.dtype(), view.shape());
-                return Err(wrong(key, expected, found));
-            }
-            let (numbers, _) = view.data().as_chunks::<4>();
-            Ok(Tensor {
-                shape: view.shape().to_vec(),
-                values: numbers.iter().map(|b| f32::from_le_bytes(*b)).collect(),
-            })
-        };
+        let read = |key: &str, dimensions| tensor(&tensors, label, key, dimensions);
         let mut layers = Vec::new();
         while layers.is_empty()
             || tensors
                 .tensor(&format!("encoder.{}.weight_ih", layers.len()))
                 .is_ok()
         {
-            let l = layers.len();
-            let name = |tensor: &str| format!("encoder.{l}.{tensor}");
-            let layer = Layer {
-                weight_ih: read(&name("weight_ih"), 2)?,
-                weight_hh: read(&name("weight_hh"), 2)?,
-                bias_ih: read(&name("bias_ih"), 1)?,
-                bias_hh: read(&name("bias_hh"), 1)?,
-            };
-            layers.push(layer);
+            layers.push(Layer::read(&tensors, label, ("encoder", layers.len()))?);
         }
         let model = Self {
             label: label.into(),
@@ -245,18 +202,7 @@ impl TextureModel {
 
     /// Calls `then` with the model in the core's type.
     pub fn with<T>(&self, then: impl FnOnce(&Model<'_>) -> T) -> T {
-        let layers: Vec<Gru<'_>> = self
-            .layers
-            .iter()
-            .map(|layer| Gru {
-                inputs: layer.inputs(),
-                units: layer.units(),
-                weight_ih: &layer.weight_ih.values,
-                weight_hh: &layer.weight_hh.values,
-                bias_ih: &layer.bias_ih.values,
-                bias_hh: &layer.bias_hh.values,
-            })
-            .collect();
+        let layers: Vec<Gru<'_>> = self.layers.iter().map(Layer::gru).collect();
         then(&Model {
             scale_min: &self.scale_min,
             scale_max: &self.scale_max,
@@ -287,23 +233,26 @@ impl TextureModel {
         let text = self.metadata.get("latent").map_or("", String::as_str);
         let found: Standing = serde_json::from_str(text).unwrap_or_default();
         let real = |one: Option<Stands>| one.filter(|s| s.coordinate < self.latents());
+        let named = [found.first, found.roughness, found.friction, found.hardness];
+        let mut named = named.into_iter().flatten();
         Standing {
             roughness: real(found.roughness),
             hardness: real(found.hardness),
             friction: real(found.friction),
+            first: named.find(|stands| stands.coordinate == 0),
         }
     }
 
     /// Returns true if recordings of this label were among those that the model was trained on; `None` where its file
     /// names none.
     pub fn was_trained_on(&self, label: &str) -> Option<bool> {
-        #[derive(Deserialize)]
-        struct Split {
-            train: Vec<String>,
-        }
-        let split: Split = serde_json::from_str(self.metadata.get("split")?).ok()?;
         let of = |name: &String| name.rsplit_once('_').is_some_and(|(own, _)| own == label);
-        Some(split.train.iter().any(of))
+        Some(self.split()?.train.iter().any(of))
+    }
+
+    /// Recordings of each part of the training, where the file names them.
+    pub fn split(&self) -> Option<Split> {
+        serde_json::from_str(self.metadata.get("split")?).ok()
     }
 
     /// Properties of a surface that lie outside what the model learned, a twentieth aside, in a few words each; none
@@ -328,23 +277,32 @@ impl TextureModel {
         asked.into_iter().filter_map(outside).collect()
     }
 
-    /// The latent coordinates that drive wires: the one of roughness, and that of friction where there is one.
+    /// The latent coordinates that drive wires: by their meaning the one of roughness, and those of friction and hardness
+    /// where there are such; or z1 alone.
     ///
     /// # Errors
-    /// A model without a coordinate of roughness, which was not trained here.
-    pub fn drivers(&self) -> Result<Drivers, FileError> {
+    /// A model without a coordinate of roughness, which was not trained here, or without a range of z1.
+    pub fn drivers(&self, by: DrivenBy) -> Result<Drivers, FileError> {
         let found = self.standing();
         let text = self.metadata.get("latent").map_or("", String::as_str);
-        let drivers = found.roughness.map(|roughness| Drivers {
-            roughness: roughness.driver(),
-            friction: found.friction.map(Stands::driver),
-            hardness: found.hardness.map(Stands::driver),
-        });
+        let (drivers, name) = match by {
+            DrivenBy::First => (found.first.map(|z1| Drivers::from(z1.driver())), "first"),
+            DrivenBy::Meaning => {
+                let drivers = found.roughness.map(|roughness| Drivers {
+                    roughness: roughness.driver(),
+                    friction: found.friction.map(Stands::driver),
+                    hardness: found.hardness.map(Stands::driver),
+                });
+                (drivers, "roughness")
+            }
+        };
         drivers.ok_or_else(|| FileError {
             key: Some("metadata.latent".into()),
             ..FileError::whole(
                 &self.label,
-                "roughness {coordinate, sign, z_lo, z_hi}, as a training with ratings writes it",
+                format!(
+                    "{name} {{coordinate, sign, z_lo, z_hi}}, as a training with ratings writes it"
+                ),
                 if text.is_empty() { "nothing" } else { text },
             )
         })
@@ -359,7 +317,6 @@ impl TextureModel {
     /// Checks that readings at `rate_hz` have the rate of the training, within a hundredth.
     ///
     /// Another rate: a window would last longer or shorter, and ripples in it would change.
-    /// Another rate: what a window lasts and what ripples in it would differ.
     pub fn check_rate(&self, rate_hz: f64) -> Result<(), FileError> {
         match self.rate_hz() {
             Some(trained) if (rate_hz / trained - 1.0).abs() > 0.01 => Err(FileError {
@@ -409,30 +366,23 @@ impl TextureModel {
     }
 }
 
+/// Label in errors, and bytes, of a built-in model or a model file.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(crate) fn bytes(name: &str) -> Result<(String, Cow<'static, [u8]>), FileError> {
+    if let Some(bytes) = palpate_fixtures::model(name) {
+        return Ok((format!("fixtures/models/{name}.safetensors"), bytes.into()));
+    }
+    let expected = "`default`, `thesis` or a model file";
+    let bytes = read_bytes(Path::new(name), expected, MOST_BYTES)?;
+    Ok((name.to_owned(), bytes.into()))
+}
+
 /// A JSON list of names, or names between commas.
 fn names(text: &str) -> Vec<String> {
     serde_json::from_str(text).unwrap_or_else(|_| {
         let names = text.split(',').map(str::trim).filter(|n| !n.is_empty());
         names.map(str::to_owned).collect()
     })
-}
-
-/// The bytes of a model file: tensors by name, shape and numbers, and metadata beside the format; none where a shape
-/// does not hold its numbers.
-pub fn model_file(
-    tensors: &[(String, Vec<usize>, &Vec<f32>)],
-    metadata: &[(&str, String)],
-) -> Option<Vec<u8>> {
-    let bytes =
-        |values: &Vec<f32>| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
-    let data: Vec<_> = tensors.iter().map(|(_, _, values)| bytes(values)).collect();
-    let mut views = Vec::new();
-    for ((name, shape, _), data) in tensors.iter().zip(&data) {
-        views.push((name, TensorView::new(Dtype::F32, shape.clone(), data).ok()?));
-    }
-    let metadata = metadata
-        .iter()
-        .map(|(key, text)| ((*key).to_owned(), text.clone()));
-    let format = [("format".to_owned(), FORMAT.to_owned())];
-    safetensors::serialize(views, Some(format.into_iter().chain(metadata).collect())).ok()
 }

@@ -16,6 +16,8 @@ pub enum TextureAction {
     Train(TrainArgs),
     /// Print the latent vectors of a recording as CSV: one line per window, named by its last row.
     Encode(EncodeArgs),
+    /// Rebuild emulated strokes from their latent vectors, and print the error of each part of the training.
+    Rebuild(RebuildArgs),
     /// Write the encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
     Export(ExportArgs),
     /// Map emulated textures in a model's latent space, with correlations to roughness, friction and
@@ -81,7 +83,7 @@ pub struct TrainArgs {
 /// Options of `hil texture map`.
 #[derive(Debug, Args)]
 pub struct MapArgs {
-    /// `default` or a model file (.safetensors).
+    /// `default`, `thesis` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
     /// Surfaces that are stroked.
@@ -98,10 +100,27 @@ pub struct MapArgs {
     pub force: bool,
 }
 
+/// Options of `hil texture rebuild`.
+#[derive(Debug, Args)]
+pub struct RebuildArgs {
+    /// A model with a decoder: `thesis` or a model file (.safetensors).
+    #[arg(value_name = "MODEL", default_value = "thesis")]
+    pub model: String,
+    /// Surfaces that are stroked.
+    #[command(flatten)]
+    pub of: Strokes,
+    /// Seed of the strokes; `thesis` was trained on those of seed 1.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Print JSON in place of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Options of `hil texture response`.
 #[derive(Debug, Args)]
 pub struct ResponseArgs {
-    /// `default` or a model file (.safetensors).
+    /// `default`, `thesis` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
     /// Strokes over each surface.
@@ -144,7 +163,7 @@ pub struct MaterialsArgs {
 /// Options of `hil texture panel`.
 #[derive(Debug, Args)]
 pub struct PanelArgs {
-    /// `default` or a model file (.safetensors).
+    /// `default`, `thesis` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
     /// A table of textures, by name or file.
@@ -161,6 +180,9 @@ pub struct PanelArgs {
     /// Rows per second of the recordings.
     #[arg(long, value_name = "HZ", value_parser = rate, requires = "recordings", allow_hyphen_values = true)]
     pub rate: Option<f64>,
+    /// The latent coordinates that drive the display: `meaning`, those that the model's file names, or `z1`, as in the thesis.
+    #[arg(long, value_name = "DRIVER", default_value = "meaning", value_parser = ["meaning", "z1"])]
+    pub driver: String,
     /// An emulated bench: a built-in name or a file.
     #[arg(
         short = 'b',
@@ -192,8 +214,8 @@ pub struct PanelArgs {
 /// Options of `hil texture encode`.
 #[derive(Clone, Debug, Args)]
 pub struct EncodeArgs {
-    /// `default` or a model file (.safetensors).
-    #[arg(value_name = "MODEL|default")]
+    /// `default`, `thesis` or a model file (.safetensors).
+    #[arg(value_name = "MODEL|NAME")]
     pub model: String,
     /// Raw rows (CSV). With a header, the model's names for its features select the columns. Otherwise
     /// there must be as many columns as features. A recipe may stand for its recording, or lie beside it.
@@ -219,6 +241,9 @@ pub struct EncodeArgs {
     /// Encode rows of another rate than the model was trained on, with a note.
     #[arg(long)]
     pub any_rate: bool,
+    /// Add the error with which the model's decoder rebuilds each window, in shares of each feature's range, squared.
+    #[arg(long)]
+    pub error: bool,
     /// Print a JSON array in place of CSV.
     #[arg(long)]
     pub json: bool,
@@ -227,8 +252,8 @@ pub struct EncodeArgs {
 /// Options of `hil texture export`.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
-    /// `default` or a model file (.safetensors).
-    #[arg(value_name = "MODEL|default")]
+    /// `default`, `thesis` or a model file (.safetensors).
+    #[arg(value_name = "MODEL|NAME")]
     pub model: String,
     /// File to write (.onnx).
     #[arg(short = 'o', long, value_name = "FILE")]

@@ -44,6 +44,7 @@ mod test_stages;
 mod test_told;
 mod texture;
 mod texture_panel;
+mod texture_rebuild;
 mod texture_response;
 mod texture_train;
 mod unit;

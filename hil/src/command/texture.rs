@@ -6,13 +6,14 @@ use std::sync::Arc;
 use palpate_core::statistics::quantile;
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
-use palpate_files::{Format, Input, RecipePlan, Rows, Take, TextureModel, Timing};
+use palpate_files::{Format, Input, RecipePlan, Rows, Take, TextureDecoder, TextureModel, Timing};
 use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_texture::onnx;
+use palpate_texture::rebuild::Rebuilder;
 use serde_json::json;
 
-use super::{texture_panel, texture_response, texture_train};
+use super::{texture_panel, texture_rebuild, texture_response, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
 use palpate_live::output::{Outputs, note, print};
 use palpate_live::progress::Progress;
@@ -27,6 +28,7 @@ pub fn texture(action: &TextureAction) -> Result<(), Failure> {
         TextureAction::Strokes(args) => texture_train::strokes(args),
         TextureAction::Train(args) => texture_train::train(args),
         TextureAction::Encode(args) => encode(args),
+        TextureAction::Rebuild(args) => texture_rebuild::rebuild(args),
         TextureAction::Export(args) => export(args),
         TextureAction::Map(args) => texture_train::map(args),
         TextureAction::Response(args) => texture_response::response(args),
@@ -35,8 +37,14 @@ pub fn texture(action: &TextureAction) -> Result<(), Failure> {
     }
 }
 
-/// The row a window ended with, and its latent vector.
-type Latent = (usize, Vec<f32>);
+/// A window that was encoded.
+struct Latent {
+    /// The row that it ended with.
+    frame: usize,
+    z: Vec<f32>,
+    /// Error of the window that the decoder makes of z.
+    error: Option<f64>,
+}
 
 fn micros(us: f64) -> Duration {
     Duration::from_micros(us.round() as u64)
@@ -69,8 +77,14 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         (None, Some(prefix)) => Take::Counted(prefix, model.features()),
         (None, None) => features(&model),
     };
+    let decoder = args
+        .error
+        .then(|| TextureDecoder::open(&args.model, &model));
+    let decoder = decoder.transpose()?;
+    let rebuilder = decoder.as_ref().map(|d| Rebuilder::new(&model, d));
     let _shown = Progress::reading(&args.file);
     let mut windows = Windows::open(&model, args, take, ends)?;
+    windows.rebuilder = rebuilder.transpose()?;
     let mut batch = Vec::new();
     let mut is_first = true;
     loop {
@@ -82,7 +96,7 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         }
         print(|out| match args.json {
             true => write_json(&batch, (is_first, is_last), out),
-            false => write_csv(&batch, model.latents(), is_first, out),
+            false => write_csv(&batch, (model.latents(), args), is_first, out),
         })?;
         is_first = false;
         batch.clear();
@@ -145,6 +159,9 @@ struct Windows<'a> {
     ends: Ends,
     window: usize,
     values: Vec<f32>,
+    /// The way back to each window, and the values of its rows, the newest last; none where no error is asked for.
+    rebuilder: Option<Rebuilder<'a>>,
+    kept: Vec<f32>,
 }
 
 impl<'a> Windows<'a> {
@@ -175,6 +192,8 @@ impl<'a> Windows<'a> {
             ends,
             window: model.window(),
             values: Vec::new(),
+            rebuilder: None,
+            kept: Vec::new(),
         })
     }
 
@@ -255,8 +274,20 @@ impl<'a> Windows<'a> {
                 let (line, file) = (at.line, self.args.file.display());
                 Failure::Input(format!("{file}:{line}: {e}"))
             })?;
-            if let Some(latents) = latents {
-                return Ok(Some((row, latents.to_vec())));
+            let z = latents.map(<[f32]>::to_vec);
+            if self.rebuilder.is_some() {
+                let full = (self.window - 1) * self.values.len();
+                let old = self.kept.len().saturating_sub(full);
+                self.kept.drain(..old);
+                self.kept.extend_from_slice(&self.values);
+            }
+            if let Some(z) = z {
+                let error = self.rebuilder.as_ref().map(|r| r.error(&self.kept));
+                return Ok(Some(Latent {
+                    frame: row,
+                    z,
+                    error: error.transpose()?,
+                }));
             }
         }
         let (count, window) = (self.rows.count(), self.window);
@@ -273,17 +304,22 @@ impl<'a> Windows<'a> {
 /// Six decimals: what differs between machines, if anything, lies below.
 fn write_csv(
     found: &[Latent],
-    latents: usize,
+    (latents, args): (usize, &EncodeArgs),
     begins: bool,
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
     let mut text = String::new();
     if begins {
-        let names: Vec<String> = (1..=latents).map(|i| format!("z{i}")).collect();
-        text = as_csv([("frame", names)]);
+        let names = (1..=latents).map(|i| format!("z{i}"));
+        let error = args.error.then(|| "error".to_owned());
+        text = as_csv([("frame", names.chain(error).collect::<Vec<_>>())]);
     }
-    let figure = |z: &f32| format!("{:.6}", if z.abs() < 5e-7 { 0.0 } else { *z });
-    let row = |(frame, z): &Latent| (*frame, z.iter().map(figure).collect::<Vec<_>>());
+    let figure = |z: f64| format!("{:.6}", if z.abs() < 5e-7 { 0.0 } else { z });
+    let row = |found: &Latent| {
+        let z = found.z.iter().copied().map(f64::from);
+        let figures = z.chain(found.error).map(figure);
+        (found.frame, figures.collect::<Vec<_>>())
+    };
     text += &as_csv(found.iter().map(row));
     out.write_all(text.as_bytes())
 }
@@ -294,11 +330,15 @@ fn write_json(
     (begins, ends): (bool, bool),
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
-    let rounded = |z: &f32| (f64::from(*z) * 1e6).round() / 1e6 + 0.0;
-    for (n, (frame, z)) in found.iter().enumerate() {
+    let rounded = |z: f64| (z * 1e6).round() / 1e6 + 0.0;
+    for (n, found) in found.iter().enumerate() {
         out.write_all(if begins && n == 0 { b"[" } else { b"," })?;
-        let z: Vec<f64> = z.iter().map(rounded).collect();
-        serde_json::to_writer(&mut *out, &json!({"frame": frame, "z": z}))?;
+        let z: Vec<f64> = found.z.iter().map(|z| rounded(f64::from(*z))).collect();
+        let mut one = json!({"frame": found.frame, "z": z});
+        if let Some(error) = found.error {
+            one["error"] = json!(rounded(error));
+        }
+        serde_json::to_writer(&mut *out, &one)?;
     }
     match (begins && found.is_empty(), ends) {
         (true, true) => writeln!(out, "[]"),

@@ -30,6 +30,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let mut overrides = Overrides::default();
     overrides.scene("--person", "illusion.person", &args.person);
+    overrides.scene("--driver", "texture.driver", &args.driver);
     if let Some(level_db) = args.level {
         overrides.scene("--level", "illusion.level_db", level_db);
     }
@@ -162,6 +163,7 @@ fn as_json(args: &PanelArgs, study: &Study, bare: Option<&(Study, Ranks)>) -> Va
     let mut whole = json!({
         "source": "simulated panel on an emulated display",
         "model": args.model,
+        "driver": args.driver,
         "bench": args.bench,
         "person": args.person,
         "seed": args.seed,

@@ -98,7 +98,8 @@ pub fn train(args: &TrainArgs) -> Result<(), Failure> {
             _ => Failure::Check(String::new()),
         }),
         Err(_) => Err(Failure::Input(format!(
-            "{name} is not beside hil and not on the PATH: build it with `cargo build --release -p {PROGRAM}`"
+            "{name} is not beside hil and not on the PATH: no archive has it. In the sources ({}) `cargo build --release -p {PROGRAM}` builds it",
+            env!("CARGO_PKG_REPOSITORY")
         ))),
     }
 }

@@ -5,6 +5,7 @@ mod felt;
 mod frame;
 mod hand;
 mod illusion;
+mod latent;
 mod people;
 mod row;
 pub mod setups;
@@ -15,8 +16,9 @@ pub use row::{Answer, Mark, Row};
 
 /// Every row, in the order of the thesis.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
-    let chapters: [&'static [Row]; 8] = [
+    let chapters: [&'static [Row]; 9] = [
         texture::ROWS,
+        latent::ROWS,
         frame::ROWS,
         compression::ROWS,
         sphere::ROWS,

@@ -53,6 +53,7 @@ pub fn planned(stimuli: &Stimuli, session: &Session) -> Result<Dose, Failure> {
             let rehearsed = rehearsals.rehearsal(stimuli, stimulus)?;
             if let Stimulus::Condition(name) = stimulus {
                 known.paths.insert(name.clone(), rehearsed.path.clone());
+                known.feel(name, &rehearsed.sensed);
             }
             let began = until + pause;
             let over = together.repeat(began, &rehearsed.bursts);

@@ -8,9 +8,9 @@ use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
 use palpate_run::{Failure, Input, Keep, build, pass};
-use palpate_study::{Interval, Stimulus};
+use palpate_study::{Interval, Sensed, Stimulus};
 
-use super::rehearsal::{Rehearsals, bursts, path};
+use super::rehearsal::{Rehearsals, bursts, path, sensed};
 use super::stimuli::Stimuli;
 use palpate_live::serve::Desk;
 use palpate_live::views::Wanted;
@@ -30,6 +30,8 @@ pub struct Player {
     desk: Option<Desk>,
     /// The wires were passed, or need no pass.
     is_ready: bool,
+    /// Onsets of the last stimulus as the bench's person feels them.
+    sensed: Vec<Sensed>,
 }
 
 /// Time at which everything was off.
@@ -60,6 +62,7 @@ impl Player {
             until: Instant::ZERO,
             desk,
             is_ready: false,
+            sensed: Vec::new(),
         }
     }
 
@@ -200,6 +203,7 @@ impl Player {
         let trace = &outcome.trace;
         let mut guard = build(&setup, 1, Levels::Off)?.guard().clone();
         let bursts = bursts(&guard, trace);
+        self.sensed = sensed(&trace.events);
         let interval = Interval {
             stimulus: Some(stimulus.clone()),
             began_ms: began.as_micros() / 1000,
@@ -220,6 +224,12 @@ impl Player {
             None => Went::Whole,
         };
         Ok((interval, went))
+    }
+
+    /// Onsets of the last stimulus as the bench's person feels them; none on a bench that no emulated person wears.
+    #[must_use]
+    pub fn sensed(&self) -> &[Sensed] {
+        &self.sensed
     }
 
     fn is_stopped(&self) -> bool {

@@ -8,7 +8,7 @@ use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::trace::{Event, Trace, event};
 use palpate_run::{Failure, Input, Keep, build, run_with};
-use palpate_study::{Path, Stimulus};
+use palpate_study::{Path, Sensed, Stimulus};
 
 use super::stimuli::Stimuli;
 
@@ -26,6 +26,8 @@ pub(super) struct Rehearsed {
     pub(super) length: Duration,
     /// Path of the contact.
     pub(super) path: Path,
+    /// Onsets as the bench's person feels them.
+    pub(super) sensed: Vec<Sensed>,
 }
 
 /// Stimuli that were rehearsed so far, each once.
@@ -66,6 +68,7 @@ impl Rehearsed {
             bursts: bursts(projector.guard(), trace),
             length: Duration::from_micros(length_us(trace)),
             path: path(&setup, &trace.events),
+            sensed: sensed(&trace.events),
         })
     }
 }
@@ -105,4 +108,16 @@ pub(super) fn path(setup: &Setup, events: &[Event]) -> Path {
         path.extend(event::each(events).map(target));
     }
     path
+}
+
+/// Onsets of a run as the bench's person feels them: at the centroid of energy, and nowhere below the threshold. None where no
+/// person wears the bench.
+pub(super) fn sensed(events: &[Event]) -> Vec<Sensed> {
+    let mm = |um: i32| f64::from(um) * 1e-3;
+    let onset = |onset: &event::Felt| Sensed {
+        t_s: onset.t_us as f64 * 1e-6,
+        place_mm: (onset.met.filter(event::FeltAt::is_felt))
+            .map(|met| [mm(met.energy.x), mm(met.energy.y)]),
+    };
+    event::each(events).map(onset).collect()
 }

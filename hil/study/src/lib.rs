@@ -19,7 +19,7 @@ pub use analyse::{
     Analysis, AnalysisTable, Chosen, Comparison, Drawn, OfWire, OneDrawing, Participant, PathError,
     Rated, analyse, compare_paths, fitted, tables,
 };
-pub use people::{Known, Path, Person};
+pub use people::{Known, Path, Person, Sensed};
 pub use psychometric::Psychometric;
 pub use quest::Estimate;
 pub use record::{

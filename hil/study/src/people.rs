@@ -12,6 +12,15 @@ use crate::threshold::{FRACTIONS_DB, GUESS, LEAST_DB};
 /// A path: seconds, mm right and up on the display.
 pub type Path = Vec<[f64; 3]>;
 
+/// An onset as the person of a run perceives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensed {
+    /// Time of the onset, seconds.
+    pub t_s: f64,
+    /// Felt place, mm right and up on the display; `None` where the onset stays below the threshold.
+    pub place_mm: Option<[f64; 2]>,
+}
+
 /// Time between two points of a pen, ms: 120 Hz.
 const PEN_MS: f64 = 1000.0 / 120.0;
 /// Time constant of a hand's wander beside its line, s.
@@ -26,6 +35,18 @@ pub struct Known {
     pub wires_mm: Vec<[f64; 2]>,
     /// Path of each condition.
     pub paths: BTreeMap<String, Path>,
+    /// Onsets of each condition as they are felt. The drawing of a condition that is not here follows its path.
+    pub felt: BTreeMap<String, Vec<Sensed>>,
+}
+
+impl Known {
+    /// Notes what is felt of a condition; without an onset nothing is known of it.
+    pub fn feel(&mut self, condition: &str, sensed: &[Sensed]) {
+        match sensed {
+            [] => self.felt.remove(condition),
+            sensed => self.felt.insert(condition.to_owned(), sensed.to_vec()),
+        };
+    }
 }
 
 /// A simulated participant.
@@ -213,43 +234,72 @@ impl Person {
         random: &mut RandomStream,
     ) -> Answer {
         let still = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
-        let path = condition(trial).and_then(|name| known.paths.get(name));
-        let path = path.filter(|path| path.len() > 1).unwrap_or(&still);
+        let name = condition(trial);
+        let felt = name.and_then(|name| known.felt.get(name));
+        let path = name.and_then(|name| known.paths.get(name));
+        let path = || path.filter(|path| path.len() > 1).unwrap_or(&still).clone();
+        let pieces = felt.map_or_else(|| vec![path()], |felt| pieces(felt));
         let (noise, breaks_hz) = protocol.drawing.as_ref().map_or((0.0, 0.0), |task| {
             (task.simulated.noise_mm, task.simulated.breaks_hz)
         });
-        let begun = path[0][0];
-        let lasts_ms = 1e3 * (path[path.len() - 1][0] - begun);
+        // Where a run says what is felt, its breaks are the only ones.
+        let breaks_hz = if felt.is_some() { 0.0 } else { breaks_hz };
         // As a process with a memory: the part that is left after a step, and a new part.
         let left = libm::exp(-PEN_MS * 1e-3 / WANDER_S);
         let new = libm::sqrt(1.0 - left * left);
         let mut off = [0, 1].map(|_| noise * random.normal());
         let (mut strokes, mut stroke) = (Vec::new(), Vec::new());
-        let (mut t_ms, mut paused_ms) = (0.0, 0.0);
-        while t_ms <= lasts_ms {
-            let t = begun + t_ms * 1e-3;
-            let next = path.partition_point(|p| p[0] < t).clamp(1, path.len() - 1);
-            let (a, b) = (path[next - 1], path[next]);
-            let way = ((t - a[0]) / (b[0] - a[0]).max(1e-9)).clamp(0.0, 1.0);
-            let place = |axis: usize, off: f64| {
-                let at = a[axis + 1] + way * (b[axis + 1] - a[axis + 1]);
-                self.drawing_bias[axis] + self.drawing_scale * at + off
-            };
-            stroke.push(Sample {
-                t_ms: t_ms + paused_ms,
-                x_mm: place(0, off[0]),
-                y_mm: place(1, off[1]),
-            });
-            off = off.map(|o| left * o + new * noise * random.normal());
-            if random.uniform() < breaks_hz * PEN_MS * 1e-3 {
-                strokes.push(std::mem::take(&mut stroke));
-                paused_ms += BREAK_MS;
+        let mut paused_ms = 0.0;
+        for path in &pieces {
+            let begun = path[0][0];
+            let lasts_ms = 1e3 * (path[path.len() - 1][0] - begun);
+            let mut t_ms = 0.0;
+            while t_ms <= lasts_ms {
+                let [x, y] = place_at(path, begun + t_ms * 1e-3);
+                let place =
+                    |axis: usize, at: f64| self.drawing_bias[axis] + self.drawing_scale * at;
+                stroke.push(Sample {
+                    t_ms: t_ms + paused_ms,
+                    x_mm: place(0, x) + off[0],
+                    y_mm: place(1, y) + off[1],
+                });
+                off = off.map(|o| left * o + new * noise * random.normal());
+                if random.uniform() < breaks_hz * PEN_MS * 1e-3 {
+                    strokes.push(std::mem::take(&mut stroke));
+                    paused_ms += BREAK_MS;
+                }
+                t_ms += PEN_MS;
             }
-            t_ms += PEN_MS;
+            strokes.extend((!stroke.is_empty()).then(|| std::mem::take(&mut stroke)));
+            paused_ms += t_ms + BREAK_MS;
         }
-        strokes.extend((!stroke.is_empty()).then_some(stroke));
         Answer::Path(strokes)
     }
+}
+
+/// The way of what is felt, in pieces: each goes from onset to onset, and ends before one that is not felt. Where nothing is
+/// felt, the pen makes one point in the middle of the display.
+fn pieces(felt: &[Sensed]) -> Vec<Path> {
+    let split = felt.split(|onset| onset.place_mm.is_none());
+    let piece = |onsets: &[Sensed]| -> Path {
+        let each = onsets.iter();
+        each.filter_map(|onset| onset.place_mm.map(|[x, y]| [onset.t_s, x, y]))
+            .collect()
+    };
+    let found: Vec<Path> = split.map(piece).filter(|piece| !piece.is_empty()).collect();
+    match found.is_empty() {
+        true => vec![vec![[0.0; 3]]],
+        false => found,
+    }
+}
+
+/// Place of a path at a time, mm: straight between its points, its ends before and after.
+fn place_at(path: &[[f64; 3]], t: f64) -> [f64; 2] {
+    let last = path.len() - 1;
+    let next = path.partition_point(|p| p[0] < t).clamp(1, last.max(1));
+    let (a, b) = (path[next - 1], path[next.min(last)]);
+    let way = ((t - a[0]) / (b[0] - a[0]).max(1e-9)).clamp(0.0, 1.0);
+    [1, 2].map(|axis| a[axis] + way * (b[axis] - a[axis]))
 }
 
 /// Condition that a trial plays first.

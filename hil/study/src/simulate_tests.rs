@@ -132,6 +132,7 @@ fn every_task_comes_back_from_people_who_answer_it() {
         .map(|c| (c.name.clone(), path.clone()));
     let known = Known {
         paths: names.collect(),
+        felt: BTreeMap::new(),
         wires_mm: vec![
             [0.0, -14.25],
             [0.0, -4.75],
@@ -186,4 +187,42 @@ fn no_preference_is_found_as_rarely_as_stated() {
     assert!(found.false_positive_rate <= 0.065, "{found:?}");
     assert!(found.power > 0.5, "{found:?}");
     assert!(found.people_for_power.unwrap() < 40, "{found:?}");
+}
+
+/// A drawing follows what a run lets the person feel: its place, and its breaks.
+#[test]
+fn drawings_follow_what_is_felt() {
+    let mut protocol = load_protocol("felt-paths").unwrap().value;
+    let task = protocol.drawing.as_mut().unwrap();
+    task.simulated.noise_mm = 0.0;
+    (task.simulated.bias_mm.sd, task.simulated.scale.sd) = (0.0, 0.0);
+    let along = |n: u32, y: f64| [f64::from(n) * 0.1, f64::from(n) - 10.0, y];
+    let path: Vec<_> = (0..=20).map(|n| along(n, 0.0)).collect();
+    let names = || protocol.conditions.iter().map(|c| c.name.clone());
+    let known = |felt: &[Option<f64>]| {
+        let sensed = felt.iter().zip(0..).map(|(y, n)| {
+            let [t_s, x, _] = along(n, 0.0);
+            let place_mm = y.map(|y| [x, y]);
+            crate::people::Sensed { t_s, place_mm }
+        });
+        let sensed: Vec<_> = sensed.collect();
+        Known {
+            wires_mm: Vec::new(),
+            paths: names().map(|name| (name, path.clone())).collect(),
+            felt: names().map(|name| (name, sensed.clone())).collect(),
+        }
+    };
+    let of = Simulation { people: 2, seed: 1 };
+    let drawn = |felt: &[Option<f64>]| simulate(&protocol, of, &known(felt)).unwrap().drawing;
+    // Everything is felt 2 mm beside the path, without a break.
+    let beside = drawn(&[Some(2.0); 21]).unwrap();
+    assert!((beside.rmse_mm_median - 2.0).abs() < 0.05, "{beside:?}");
+    assert!(beside.breaks_mean.abs() < 1e-9, "{beside:?}");
+    // Two onsets in the middle stay below the threshold.
+    let mut felt = [Some(0.0); 21];
+    (felt[7], felt[14]) = (None, None);
+    let broken = drawn(&felt).unwrap();
+    assert!((broken.breaks_mean - 2.0).abs() < 1e-9, "{broken:?}");
+    // Nothing is felt: one point, which is no path to compare.
+    assert_eq!(drawn(&[None; 21]), None);
 }

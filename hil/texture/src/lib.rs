@@ -9,6 +9,7 @@ pub mod explore;
 pub mod map;
 pub mod onnx;
 pub mod panel;
+pub mod rebuild;
 pub mod response;
 pub mod rows;
 pub mod world;

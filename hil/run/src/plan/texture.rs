@@ -69,7 +69,7 @@ pub(super) fn texture(
     let module = felt.module.unwrap_or(scene.drives);
     let features = features(&model, layout.range(module).len())
         .map_err(|expected| bad("texture.model", expected))?;
-    let drivers = model.drivers()?;
+    let drivers = model.drivers(felt.driver)?;
     if felt.hardness == Some(true) && drivers.hardness.is_none() {
         let expected = "a model with a coordinate for hardness, or `hardness = false`";
         return Err(bad("texture.model", expected.into()));

@@ -12,7 +12,7 @@ use palpate_core::statistics::mean;
 use palpate_core::texture::Drivers;
 use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS, bare_finger};
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
-use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
+use palpate_files::{DrivenBy, Setup, TextureEntry, TextureModel, TextureTable};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 use rayon::prelude::*;
@@ -221,7 +221,9 @@ fn study(
     let count = all.len() as f64;
     // The participants wear wires as after a hot pass, where the bench has one.
     let (setup, _) = palpate_run::passed(setup, seed)?;
-    let session = Session::new(model.drivers()?, &setup, seed)?;
+    let felt = setup.scene.value.texture.as_ref();
+    let by = felt.map_or(DrivenBy::Meaning, |felt| felt.driver);
+    let session = Session::new(model.drivers(by)?, &setup, seed)?;
     let encoder = Arc::new(model.encoder()?);
     let rate = |(done, shows): (u32, Result<Shows, Failure>)| {
         passed(f64::from(done) / count);

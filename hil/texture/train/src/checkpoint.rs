@@ -5,7 +5,7 @@ use std::path::Path;
 
 use burn::module::Module;
 use burn::optim::Optimizer;
-use burn::record::{BinBytesRecorder, FullPrecisionSettings, Record, Recorder};
+use burn::record::{BinBytesRecorder, FullPrecisionSettings, PrecisionSettings, Record, Recorder};
 use burn::tensor::backend::Backend;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
@@ -25,29 +25,37 @@ pub struct State<L: Learning, O> {
     pub progress: Progress,
 }
 
-type Bytes = BinBytesRecorder<FullPrecisionSettings>;
 /// An error without a file; the caller adds the file's name.
 type Bad = Box<dyn std::error::Error>;
 
+fn pack_as<S: PrecisionSettings, B: Backend, R: Record<B>>(record: R) -> Result<Vec<u8>, Bad> {
+    let recorder = BinBytesRecorder::<S>::default();
+    Ok(Recorder::<B>::record(&recorder, record, ())?)
+}
+
+fn unpack_as<S: PrecisionSettings, B: Backend, R: Record<B>>(
+    bytes: &[u8],
+    device: &B::Device,
+) -> Result<R, Bad> {
+    let recorder = BinBytesRecorder::<S>::default();
+    Ok(Recorder::<B>::load(&recorder, bytes.to_vec(), device)?)
+}
+
 fn pack<B: Backend, R: Record<B>>(record: R) -> Result<Vec<u8>, Bad> {
-    Ok(Recorder::<B>::record(&Bytes::default(), record, ())?)
+    pack_as::<FullPrecisionSettings, B, R>(record)
 }
 
 fn unpack<B: Backend, R: Record<B>>(bytes: &[u8], device: &B::Device) -> Result<R, Bad> {
-    Ok(Recorder::<B>::load(
-        &Bytes::default(),
-        bytes.to_vec(),
-        device,
-    )?)
+    unpack_as::<FullPrecisionSettings, B, R>(bytes, device)
 }
 
-/// A network's weights in a network of the same shape on another backend.
-pub fn carried<A: Backend, B: Backend>(
+/// A network's weights in a network of the same shape on another backend, in this precision.
+pub fn carried<A: Backend, B: Backend, S: PrecisionSettings>(
     from: Network<A>,
     to: Network<B>,
 ) -> Result<Network<B>, Failure> {
-    let bytes = pack::<A, _>(from.into_record());
-    let record = bytes.and_then(|bytes| unpack::<B, _>(&bytes, &B::Device::default()));
+    let bytes = pack_as::<S, A, _>(from.into_record());
+    let record = bytes.and_then(|bytes| unpack_as::<S, B, _>(&bytes, &B::Device::default()));
     let record = record.map_err(|e| Failure::Usage(format!("the trained network: {e}")))?;
     Ok(to.load_record(record))
 }

@@ -55,6 +55,9 @@ struct Arguments {
     /// Readings per second of the recordings: the model is then refused at another rate.
     #[arg(long = "hz", value_name = "HZ")]
     rate_hz: Option<f64>,
+    /// Rounds the trained weights to half precision: the file is half as large, and the errors are those of the rounded ones.
+    #[arg(long)]
+    half: bool,
     #[command(flatten)]
     settings: Settings,
     /// Keeps a checkpoint here after every epoch, and goes on from one.

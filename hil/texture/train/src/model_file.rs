@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use palpate_emulators::sensor::surface::spearman;
+use palpate_files::Precision;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -27,6 +28,7 @@ pub struct About<'a> {
     /// The command line that made it.
     pub command: String,
     pub revision: String,
+    pub precision: Precision,
 }
 
 /// Latent coordinates and their properties, by rank correlation over the training recordings.
@@ -38,6 +40,9 @@ pub struct Latent {
     /// Friction, in a training by materials alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Driver>,
+    /// z1 against rated roughness and friction, whatever it has learned: the driver of the thesis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first: Option<Driver>,
 }
 
 /// A latent coordinate, its direction, and its range (5th to 95th percentile of the training windows).
@@ -105,6 +110,7 @@ pub fn drivers(
             roughness: tied(0),
             friction: tied(1),
             hardness: tied(2),
+            first: None,
         };
     }
     let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f64>> {
@@ -117,12 +123,15 @@ pub fn drivers(
         let found = (0..width).map(|coordinate| driver(coordinate, with, &truth));
         found.max_by(|a, b| a.spearman.abs().total_cmp(&b.spearman.abs()))
     };
-    let roughness = rated(|r| (r.roughness + r.friction) / 2.0).map(|rated| (RATINGS, rated));
+    let roughness = rated(|r| (r.roughness + r.friction) / 2.0);
+    let first = roughness.as_ref().map(|rated| driver(0, RATINGS, rated));
+    let roughness = roughness.map(|rated| (RATINGS, rated));
     let buzz = || (BUZZ, places.iter().map(|&p| buzz(windows, p)).collect());
     Latent {
         roughness: best(roughness.unwrap_or_else(buzz)),
         hardness: rated(|r| r.hardness).and_then(|rated| best((RATINGS, rated))),
         friction: None,
+        first,
     }
 }
 
@@ -184,7 +193,7 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
         .iter()
         .map(|(name, shape, values)| (name.clone(), shape.clone(), values))
         .collect();
-    let bytes = palpate_files::model_file(&tensors, &metadata);
+    let bytes = palpate_files::model_file(&tensors, &metadata, about.precision);
     failure::write(
         path,
         &bytes.expect("every tensor has the numbers of its shape"),

@@ -5,6 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use ndarray::{Array2, Axis};
+use palpate_files::Precision;
 use serde_json::{Map, Value, json};
 
 use crate::Arguments;
@@ -44,6 +45,13 @@ pub fn run(
     let folder = arguments.checkpoint.as_deref();
     let (network, progress) = training::train(windows, split, known, settings, folder, says)?;
     drop(shown);
+    let (network, precision) = match arguments.half {
+        true => (
+            training::halved(network, windows, settings)?,
+            Precision::Half,
+        ),
+        false => (network, Precision::Single),
+    };
     let heads = settings.heads > 0.0;
     let test = windows.places(&split.test, if heads { training::MATERIALS_HOP } else { 1 });
     let decodes = settings.decode > 0.0;
@@ -90,6 +98,7 @@ pub fn run(
         rate_hz: arguments.rate_hz,
         command: command(),
         revision,
+        precision,
     };
     model_file::write(&arguments.model, &network, &about)?;
     // A closed stream is no reason to fail: the model is written.

@@ -7,6 +7,7 @@ use burn::grad_clipping::GradientClippingConfig;
 use burn::module::AutodiffModule;
 use burn::optim::{AdamConfig, GradientsParams, Optimizer};
 use burn::prelude::*;
+use burn::record::{FullPrecisionSettings, HalfPrecisionSettings};
 use palpate_core::random::RandomStream;
 
 use crate::aims::Aims;
@@ -130,7 +131,23 @@ fn train_on<L: Learning>(
         }
     }
     let plain = Network::<Plain>::new(features, latent, length, seed, &Default::default());
-    Ok((carried(state.best, plain)?, state.progress))
+    let best = carried::<_, _, FullPrecisionSettings>(state.best, plain)?;
+    Ok((best, state.progress))
+}
+
+/// A network whose weights are numbers of half precision, each the nearest.
+///
+/// # Errors
+/// A network that the framework cannot pack.
+pub fn halved(
+    network: Network<Plain>,
+    windows: &Windows,
+    settings: &Settings,
+) -> Result<Network<Plain>, Failure> {
+    let features = windows.recordings.columns.len();
+    let (latent, length) = (settings.latent, windows.length);
+    let plain = Network::new(features, latent, length, settings.seed, &Default::default());
+    carried::<_, _, HalfPrecisionSettings>(network, plain)
 }
 
 /// Parameters that stay from epoch to epoch.

@@ -294,6 +294,7 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
         rate_hz: Some(100.0),
         command: "palpate-train".into(),
         revision: "test".into(),
+        precision: palpate_files::Precision::Single,
     };
     model_file::write(&path, &network, &about).unwrap();
     let bytes = std::fs::read(&path).unwrap();
