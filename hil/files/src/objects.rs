@@ -1,9 +1,9 @@
-//! JSON Lines read as the text of a table: the numbers of the first object are the columns.
+//! JSON Lines, or a list of objects, read as the text of a table: the numbers of the first object are the columns.
 //!
 //! A column is named by its keys and places in lists, `1.data.0`. A text of hexadecimal numbers between commas is a
 //! list, as `xela_server` sends them.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 
 use serde_json::Value;
 
@@ -12,15 +12,17 @@ use super::made::Lines;
 
 /// Least numbers of a row: greetings and settings come before the first one, and have fewer.
 const LEAST: usize = 4;
-/// Longest line, bytes.
+/// Longest object, bytes.
 const LONGEST: u64 = 8 << 20;
 
-/// Reads objects line by line.
+/// Reads objects one by one.
 #[derive(Debug)]
 pub(super) struct Objects<R> {
     label: String,
     input: BufReader<R>,
     line: usize,
+    /// `true` in a list of objects, once its beginning was read.
+    is_list: Option<bool>,
     /// Names of the columns, once they are known.
     names: Vec<String>,
 }
@@ -31,22 +33,80 @@ impl<R: Read> Objects<R> {
             label: label.to_owned(),
             input: BufReader::new(input),
             line: 0,
+            is_list: None,
             names: Vec::new(),
         }
     }
 }
 
+impl<R: Read> Objects<R> {
+    /// Reads the text of the next object; an empty one at the end.
+    fn next(&mut self, text: &mut Vec<u8>) -> io::Result<()> {
+        let is_list = match self.is_list {
+            Some(is_list) => is_list,
+            None => {
+                let start = self.input.fill_buf()?;
+                let begin = start.iter().position(|b| !b.is_ascii_whitespace());
+                let list = start
+                    .get(begin.unwrap_or(0)..)
+                    .and_then(|s| s.strip_prefix(b"["));
+                // A line may be a list of numbers.
+                let is_list = list.is_some_and(|list| list.trim_ascii_start().starts_with(b"{"));
+                if is_list {
+                    self.line = 1;
+                    self.input.consume(begin.unwrap_or(0) + 1);
+                }
+                *self.is_list.insert(is_list)
+            }
+        };
+        if is_list {
+            return self.element(text);
+        }
+        self.line += 1;
+        (&mut self.input).take(LONGEST).read_until(b'\n', text)?;
+        Ok(())
+    }
+
+    /// Reads the text of the next element of a list.
+    fn element(&mut self, text: &mut Vec<u8>) -> io::Result<()> {
+        let (mut depth, mut in_text, mut is_escaped) = (0_usize, false, false);
+        while let Some(byte) = self.input.fill_buf()?.first().copied() {
+            self.input.consume(1);
+            self.line += usize::from(byte == b'\n');
+            if in_text {
+                in_text = is_escaped || byte != b'"';
+                is_escaped = !is_escaped && byte == b'\\';
+            } else {
+                match byte {
+                    b'"' => in_text = true,
+                    b'{' | b'[' => depth += 1,
+                    b'}' | b']' if depth > 0 => depth -= 1,
+                    b',' | b']' if !text.trim_ascii().is_empty() && depth == 0 => return Ok(()),
+                    b',' | b']' if depth == 0 => continue,
+                    _ => {}
+                }
+            }
+            text.push(byte);
+            if text.len() as u64 > LONGEST {
+                return Err(io::Error::other(format!(
+                    "an object of over {LONGEST} bytes"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl<R: Read> Lines for Objects<R> {
     fn add(&mut self, text: &mut Vec<u8>) -> Result<bool, FileError> {
+        let mut line = Vec::new();
+        let read = self.next(&mut line);
+        read.map_err(|e| FileError::of_io(&self.label, "a readable file", e))?;
         let wrong = |line, expected: &str, found: String| FileError {
             line: Some(line),
             ..FileError::whole(&self.label, expected, found)
         };
-        let mut line = Vec::new();
-        let read = (&mut self.input).take(LONGEST).read_until(b'\n', &mut line);
-        let read = read.map_err(|e| FileError::of_io(&self.label, "a readable file", e))?;
-        self.line += 1;
-        if read == 0 {
+        if line.is_empty() {
             if self.names.is_empty() {
                 let found = "none".to_owned();
                 return Err(wrong(

@@ -31,6 +31,27 @@ fn lists_and_tables_have_a_column_per_number() {
 }
 
 #[test]
+fn a_list_of_objects_has_the_rows_of_its_elements() {
+    let (one, two) = (
+        "{\"a\":[1,2,3],\"s\":\"],[{\\\"\",\"t\":4}",
+        "{\"a\":[5,6,7],\"t\":8}",
+    );
+    let lines = table(&format!("{one}\n{two}\n")).unwrap();
+    assert_eq!(lines, "a.0,a.1,a.2,t\n1,2,3,4\n5,6,7,8\n");
+    for list in [
+        format!("[{one},{two}]"),
+        format!(" [\n  {one},\n  {two}\n]\n"),
+    ] {
+        assert_eq!(table(&list).unwrap(), lines, "{list}");
+    }
+    let cut = table(&format!("[{one},\n{{\"a\":[5")).unwrap_err();
+    assert!(
+        cut.starts_with("f.json:2: expected a whole JSON object"),
+        "{cut}"
+    );
+}
+
+#[test]
 fn lines_that_are_no_rows_are_named() {
     let good = "{\"a\":[1,2,3,4]}\n";
     for (bad, said) in [

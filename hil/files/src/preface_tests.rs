@@ -1,3 +1,5 @@
+//! Tests of `preface.rs`.
+
 use super::*;
 
 fn found(text: &str) -> Option<Preface> {

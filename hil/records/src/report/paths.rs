@@ -287,6 +287,13 @@ fn cross(out: &mut String, (x, y): (f64, f64)) {
     let _ = write!(out, "M{left:.1} {top:.1}l9 9M{left:.1} {bottom:.1}l9 -9");
 }
 
+/// Room around the places of a display, mm: as wide as half a wire, and as the name of one beside it.
+fn rim(wires: &[(f64, f64)]) -> f64 {
+    let along = wires.iter().map(|wire| wire.0);
+    let (low, high) = (along.clone().fold(0.0, f64::min), along.fold(0.0, f64::max));
+    (0.08 * (high - low)).max(2.6)
+}
+
 /// The felt path on the display: wires, where the contact was, where it is felt, where it breaks.
 pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
@@ -298,7 +305,7 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     }
     let mut plot = plane();
     let mut svg = Svg::new(WIDTH, HEIGHT, "Felt path on the display");
-    axes(&mut plot, &mut svg, &places, 2.6, "display");
+    axes(&mut plot, &mut svg, &places, rim(&wires), "display");
     let Felt {
         target: target_path,
         path: felt_path,
