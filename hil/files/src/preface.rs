@@ -1,5 +1,7 @@
 //! Lines before the rows of a table that no mark tells from them: words of the program that wrote it, the heading, and units.
 
+use std::cmp::Reverse;
+
 use super::dialect::{Dialect, Fields, SEPARATORS, Writing, is_remark, is_value};
 
 /// Lines of a table's beginning that are looked at.
@@ -30,7 +32,9 @@ impl Preface {
         let stated = stated.as_ref().map(std::slice::from_ref);
         let candidates = stated.unwrap_or(&SEPARATORS).iter();
         let found = candidates.filter_map(|separator| Table::find(whole, *separator));
-        let table = found.max_by_key(|table| table.width)?;
+        // Between other separators than its own, a table begins later: words of a heading are fields there.
+        let before = |table: &Table| table.begin + usize::from(table.has_units);
+        let table = found.min_by_key(|table| (before(table), Reverse(table.width)))?;
         let preface = Self {
             lines: table.begin,
             has_units: table.has_units,

@@ -20,6 +20,8 @@ fn a_table_that_begins_at_once_has_none() {
         "t,a1,a2\n0,1,2\n1,1,2\n2,1,2\n3,1,2\n",
         "0,1,2\n1,1,2\n2,1,2\n3,1,2\n",
         "# made today\nt a1 a2\n0 1 2\n1 1 2\n2 1 2\n",
+        "a1\ta2\tTime (ms)\n1\t2\t0\n1\t2\t10\n1\t2\t20\n",
+        "a1\ttimestamp\n1\t2026-03-01 00:00:00.000\n1\t2026-03-01 00:00:00.010\n1\t2026-03-01 00:00:00.020\n",
         // A row that cannot be read has an error of its own.
         "t,a1,a2\n0,1,oops\n1,1,2\n2,1,2\n3,1,2\n",
         "words\nand words\n",
