@@ -68,7 +68,7 @@ impl OutputEnable for NoSamples {
     }
 }
 
-/// What drives the motors.
+/// Driver of the motors or coils of a bench.
 enum MotorDriver {
     /// DRV2605L chips on a bus.
     Chips(Haptics<Shared<I2cHandle>>),

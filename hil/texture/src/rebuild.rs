@@ -172,13 +172,13 @@ pub struct Rebuilt {
 /// Part that a stroke has in a model's training, by its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// It learned from the stroke.
+    /// Strokes that the model learned from.
     Training,
-    /// Its error there stopped the training.
+    /// Strokes whose error ended the training.
     Validation,
-    /// Its error there is that of the model.
+    /// Strokes whose error is stated as the model's.
     Test,
-    /// No stroke of that texture was in the training.
+    /// Strokes of textures that the training had none of.
     Unseen,
 }
 
