@@ -87,6 +87,7 @@ scenes! {
     by_hand "by-hand",
     coils_circle "coils-circle",
     coins_along "coins-along",
+    finger_flexes "finger-flexes",
     digit_circle "digit-circle",
     h1_follow "h1-follow",
     h1_patch "h1-patch",

@@ -111,7 +111,7 @@ pub use finger::{FingerRule, SceneFinger};
 pub use format::{Format, headed};
 pub use gain::Gain;
 pub use illusion::{Illusion, SceneStroke};
-pub use joint::{Gate, Joint, MOST_DEG, When};
+pub use joint::{Gate, Joint, JointPress, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{

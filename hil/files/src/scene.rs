@@ -234,8 +234,10 @@ impl Scene {
         if let Some(stream) = &scene.stream {
             stream.check(source)?;
         }
-        joint::check(&scene.joints, source)?;
+        joint::check(&scene.joints, source, (scene.quiet_s(), scene.length_s))?;
         scene.check_events(source)?;
+        let pressed = joint::touches(&scene.joints, scene.length_s);
+        scene.touches.extend(pressed);
         bounds!(source, "expect", scene.expect;
             path_rmse_mm: 0.0..=1e4, "mm";
             path_max_mm: 0.0..=1e4, "mm";
@@ -270,9 +272,14 @@ impl Scene {
             faulty_deviations: 0.1..=1000.0)
     }
 
+    /// Time until which nothing may touch the skin, s: the frames of reference and threshold.
+    fn quiet_s(&self) -> f64 {
+        f64::from(self.reference_frames + 1) / self.rate_hz
+    }
+
     /// Checks the events: touches, textures, strokes, faults.
     fn check_events(&self, source: &Source) -> Result<(), FileError> {
-        let quiet_s = f64::from(self.reference_frames + 1) / self.rate_hz;
+        let quiet_s = self.quiet_s();
         for (index, touch) in self.touches.iter().enumerate() {
             let key = format!("touches[{index}]");
             touch.check(source, &key, self.length_s)?;

@@ -383,9 +383,15 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
     }
     fingers::check(scene, &sensor)?;
     let modules = sensor.modules.len();
+    let presses = scene.value.joints.iter().enumerate();
+    let presses = presses.filter_map(|(index, joint)| {
+        let module = joint.press?.module;
+        Some((format!("joints[{index}].press.module"), module))
+    });
     let touched = scene.value.touches.iter().enumerate();
-    let named = touched
-        .map(|(index, touch)| (format!("touches[{index}].module"), touch.module))
+    // presses of joints are touches too: their own keys come first
+    let named = presses
+        .chain(touched.map(|(index, touch)| (format!("touches[{index}].module"), touch.module)))
         .chain([("drives".to_owned(), scene.value.drives)]);
     for (key, module) in named {
         if module >= modules {

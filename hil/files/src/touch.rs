@@ -38,7 +38,7 @@ pub struct Touch {
 }
 
 /// The sphere of the published measurements.
-const fn sphere_mm() -> f64 {
+pub(super) const fn sphere_mm() -> f64 {
     19.45
 }
 
@@ -150,6 +150,14 @@ impl Touch {
                 samples: vec![first],
             },
             force_n: no_force(),
+        }
+    }
+
+    /// Goes on with a sample of a hand; one that changes nothing is left out.
+    pub(super) fn follow(&mut self, sample: HandSample) {
+        let samples = &mut self.path.samples;
+        if samples.last().is_none_or(|last| last[1..] != sample[1..]) {
+            samples.push(sample);
         }
     }
 

@@ -28,6 +28,8 @@ pub enum Command {
     Skin(SkinArgs),
     /// Render on a bench's outputs what comes of a finger.
     Display(DisplayArgs),
+    /// Publish how a wearer's hand bends, and measure the time until the robot's skin answers.
+    Glove(GloveArgs),
     /// Be where ends meet: those with --connect find each other here, those with --relay speak through it.
     Relay(RelayArgs),
     /// Say who publishes and who feels what.
@@ -237,6 +239,9 @@ pub struct SkinArgs {
     /// A recording in place of the scene's touches; one CSV per module, or a recording of buses.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
+    /// Let this wearer's glove bend the emulated hand, in place of the scene's touches.
+    #[arg(long, value_name = "WEARER", conflicts_with_all = ["can", "replay"])]
+    pub glove: Option<Name>,
     /// Rows per second of a recording without times.
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
@@ -302,6 +307,35 @@ pub struct DisplayArgs {
     /// Number of connections that frames cross.
     #[command(flatten)]
     pub twice: TwiceArgs,
+    /// Addresses of the others.
+    #[command(flatten)]
+    pub at: EndAtArgs,
+}
+
+/// Options of `palpate-link glove`.
+#[derive(Debug, Args)]
+pub struct GloveArgs {
+    /// The scene whose joints bend: a name or file.
+    #[arg(default_value = "finger-flexes")]
+    pub scene: String,
+    /// The finger that follows: ROBOT/HAND/FINGER.
+    #[arg(long, value_name = "R/H/F")]
+    pub finger: FingerName,
+    /// The wearer's name; with --keys that of the certificate.
+    #[arg(long, value_name = "NAME", default_value = "wearer")]
+    pub wearer: Name,
+    /// A recording with columns joint_NAME in place of the scene's joints.
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+    /// Stop after so long (default: at the last point of a joint).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Print what came of it as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
     /// Addresses of the others.
     #[command(flatten)]
     pub at: EndAtArgs,

@@ -31,6 +31,7 @@ pub fn main(line: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match cli.command {
         Command::Skin(args) => ends::skin::run(&args),
         Command::Display(args) => ends::display::run(&args),
+        Command::Glove(args) => ends::glove::run(&args),
         Command::Relay(args) => others::relay::run(&args),
         Command::List(args) => others::list::run(&args),
         Command::Record(args) => others::record::run(&args),

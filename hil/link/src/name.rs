@@ -104,6 +104,12 @@ impl FingerName {
         self.key(&format!("wearers/{wearer}"))
     }
 
+    /// Key of the messages of a wearer's glove.
+    #[must_use]
+    pub fn flexion(&self, wearer: &Name) -> String {
+        self.key(&format!("flexion/{wearer}"))
+    }
+
     /// Key of answers to a wearer.
     #[must_use]
     pub fn echo(&self, wearer: &Name) -> String {

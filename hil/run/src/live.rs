@@ -7,7 +7,7 @@ use palpate_core::contact::{Contact, Levels};
 use palpate_core::projector::{ForeignContacts, Projector};
 use palpate_core::skin::{ModuleScan, ScanError};
 use palpate_core::units::{Duration, Instant};
-use palpate_emulators::sensor::{Press, Touches};
+use palpate_emulators::sensor::Press;
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 
@@ -98,8 +98,7 @@ impl EmulatedSession {
     ) -> Result<(Self, Vec<Hand>), Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
         let hands: Vec<Hand> = layout.modules().iter().map(|_| Hand::default()).collect();
-        let hand = |module: usize| -> Box<dyn Touches + Send> { Box::new(hands[module].clone()) };
-        let skin = skin::under(setup, &layout, seed, hand)?;
+        let skin = skin::under_hands(setup, &layout, seed, &hands)?;
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());

@@ -15,6 +15,7 @@ use palpate_emulators::time::Nanos;
 use super::scripted::Scripted;
 use crate::failure::Failure;
 use crate::fingers::Fingers;
+use crate::hand::Hand;
 use crate::plan;
 use crate::skin_end::{SkinEnd, Tap};
 use palpate_files::Setup;
@@ -174,7 +175,7 @@ pub fn scene(setup: &Setup, seed: u64, fingers: Option<&Fingers>) -> Result<Emul
 ///
 /// # Errors
 /// The errors of [`boards`].
-pub fn under(
+fn under(
     setup: &Setup,
     layout: &Layout,
     seed: u64,
@@ -187,6 +188,22 @@ pub fn under(
     start(&mut handle)?;
     let bus = Tap::new(Faulty::new(handle, seed, "sensor bus"), false);
     Ok(Box::new(source(setup, layout, bus)))
+}
+
+/// A scene's skin, sending from the start, under one hand on each module in place of the scene's touches.
+///
+/// # Errors
+/// The errors of [`boards`].
+pub fn under_hands(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    hands: &[Hand],
+) -> Result<EmulatedSkin, Failure> {
+    let hand = |module: usize| -> Box<dyn Touches + Send> {
+        Box::new(hands.get(module).cloned().unwrap_or_default())
+    };
+    under(setup, layout, seed, hand)
 }
 
 /// A skin that no bus carries.

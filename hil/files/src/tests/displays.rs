@@ -171,6 +171,7 @@ fn a_joint_is_straight_between_its_points() {
     let joint = crate::Joint {
         name: "mcp".to_owned(),
         points_s_deg: vec![[1.0, 10.0], [3.0, 30.0]],
+        press: None,
     };
     let angles = [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| joint.at(t).to_string());
     assert_eq!(angles, ["10", "10", "20", "30", "30"]);

@@ -1,8 +1,10 @@
 //! The two ends: a robot's skin that is published, and a wearer's display that renders its frames.
 
 mod answers;
+mod bent;
 pub mod display;
 mod feeling;
+pub mod glove;
 mod heard;
 mod inbox;
 mod report;

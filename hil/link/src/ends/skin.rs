@@ -21,6 +21,7 @@ use zenoh::pubsub::Publisher;
 use zenoh::{Session, Wait as _};
 
 use super::answers::{Answers, SECOND, Wearers};
+use super::bent::Bent;
 use super::shrunk::{Shrunk, levels};
 use super::skins::open;
 use crate::cli::{Kind, SkinArgs, after};
@@ -64,6 +65,12 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
     alone(&net, args)?;
     let again = args.at.is_twice(args.twice);
     let again = again.then(|| net::open_beside(&args.at.at())).flatten();
+    let bent = args
+        .glove
+        .as_ref()
+        .map(|wearer| Bent::begin(&net, &args.finger, wearer, &setup));
+    let bent = bent.transpose()?;
+    let hands = bent.as_ref().map(|bent| bent.hands().to_vec());
     let publishing = Publishing {
         args,
         setup: &setup,
@@ -71,8 +78,9 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
         signals,
         net: &net,
         again: again.as_ref(),
+        bent,
     };
-    open(&setup, args, |skin, clock, end| {
+    open(&setup, args, hands.as_deref(), |skin, clock, end| {
         publishing.publish(skin, clock, end)
     })
 }
@@ -149,6 +157,7 @@ struct Publishing<'a> {
     signals: Signals,
     net: &'a Net,
     again: Option<&'a Session>,
+    bent: Option<Bent>,
 }
 
 /// State of a publisher while it runs.
@@ -176,9 +185,10 @@ impl Publishing<'_> {
     fn publish(self, skin: &mut dyn Sensed, clock: RunClock, end: Instant) -> Result<(), Failure> {
         let (args, net) = (self.args, self.net);
         let is_emulated = self.setup.bench.value.kind == BenchKind::Emulated;
-        let truth = match args.replay.is_empty() && is_emulated {
-            true => Truth::of_scene(self.setup),
-            false => Truth::Unknown,
+        let truth = match (&self.bent, args.replay.is_empty() && is_emulated) {
+            (Some(bent), _) => bent.truth(self.setup.scene.value.drives),
+            (None, true) => Truth::of_scene(self.setup),
+            (None, false) => Truth::Unknown,
         };
         let shrunk = Shrunk::new(self.setup, args.on.seed, self.levels.clone(), truth)?;
         let session = session_of(&net.session);
@@ -266,6 +276,7 @@ impl Turns<'_> {
                 ended = Err(Failure::Device("the network is closed to this end".into()));
                 break;
             }
+            self.bend(now);
             skin.advance_to(now);
             let mut wrong = None;
             let read = skin.scans(now, &mut |scan| {
@@ -303,6 +314,19 @@ impl Turns<'_> {
         ended
     }
 
+    /// Bends the emulated hand as a glove says.
+    fn bend(&mut self, now: Instant) {
+        let Some(bent) = &mut self.of.bent else {
+            return;
+        };
+        if let Some(text) = bent.turn(now, self.shrunk.recorder()) {
+            if !self.of.args.quiet {
+                note(&text);
+            }
+            self.shrunk.recorder().note(now, text);
+        }
+    }
+
     /// Sends a start command to silent boards, and reports the events of each bus.
     fn look_after(&mut self, skin: &mut dyn Sensed, now: Instant) {
         let mut events = Vec::new();
@@ -327,6 +351,7 @@ impl Turns<'_> {
             head: self.head,
             body: Body::Touched(Vec::new()),
             truth: None,
+            flexed: 0,
         };
         frame.write(&mut self.message);
         // A wearer who does not get it finds the silence.
@@ -387,6 +412,7 @@ impl Turns<'_> {
             head: self.head,
             body,
             truth,
+            flexed: self.of.bent.as_ref().map_or(0, Bent::flexed),
         };
         frame.write(&mut self.message);
         self.keep_rest(usize::from(scan.module));

@@ -43,6 +43,8 @@ pub struct Frame {
     pub body: Body,
     /// True touch, where that is known.
     pub truth: Option<Truth>,
+    /// Number of the glove's message that the skin was under; 0 without a glove.
+    pub flexed: u64,
 }
 
 impl<'a> Described<'a> for Truth {
@@ -74,6 +76,7 @@ pub(crate) struct Touched {
     head: Head,
     truth: Option<Truth>,
     contacts: Vec<Contact>,
+    flexed: u64,
 }
 
 impl<'a> Described<'a> for Touched {
@@ -86,6 +89,7 @@ impl<'a> Described<'a> for Touched {
             visit.message("contacts", contact);
         });
         visit.require(self.contacts.len() <= MOST_CONTACTS);
+        visit.whole("flexed", &mut self.flexed);
     }
 }
 
@@ -96,6 +100,7 @@ pub(crate) struct Scanned<'a> {
     truth: Option<Truth>,
     module: u16,
     axes: [&'a [u8]; 3],
+    flexed: u64,
 }
 
 impl<'a> Described<'a> for Scanned<'a> {
@@ -107,13 +112,14 @@ impl<'a> Described<'a> for Scanned<'a> {
         for (name, counts) in ["x", "y", "z"].into_iter().zip(&mut self.axes) {
             visit.data(name, FieldKind::Counts, counts);
         }
+        visit.whole("flexed", &mut self.flexed);
     }
 }
 
 impl Frame {
     /// Writes the message in place of earlier content.
     pub fn write(&self, message: &mut Message) {
-        let (head, truth) = (self.head, self.truth);
+        let (head, truth, flexed) = (self.head, self.truth, self.flexed);
         match &self.body {
             Body::Touched(contacts) => {
                 let contacts = contacts.clone();
@@ -121,6 +127,7 @@ impl Frame {
                     head,
                     truth,
                     contacts,
+                    flexed,
                 };
                 encode(&mut touched, message);
             }
@@ -131,6 +138,7 @@ impl Frame {
                     truth,
                     module: *module,
                     axes: axes.each_ref().map(Message::bytes),
+                    flexed,
                 };
                 encode(&mut scanned, message);
             }
@@ -145,6 +153,7 @@ impl Frame {
             head: touched.head,
             truth: touched.truth,
             body: Body::Touched(touched.contacts),
+            flexed: touched.flexed,
         })
     }
 
@@ -169,6 +178,7 @@ impl Frame {
                 module: scanned.module,
                 counts: counts.collect(),
             },
+            flexed: scanned.flexed,
         })
     }
 }

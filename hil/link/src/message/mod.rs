@@ -3,11 +3,13 @@
 //! Every message begins with the version. A field that is not known is passed over, a field that is missing is zero.
 
 mod echo;
+mod flexed;
 mod frame;
 mod schema;
 mod wearer;
 
 pub use echo::Echo;
+pub use flexed::{Flexed, JointAngle};
 pub use frame::{Body, Frame, Truth};
 pub(crate) use frame::{Scanned, Touched};
 pub use schema::{descriptor, proto_file};

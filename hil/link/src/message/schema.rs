@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use palpate_core::contact::Contact;
 use palpate_records::mcap::{MessageSchema, descriptor_set};
 
-use super::{About, Echo, Scanned, Touched, Truth, Wearer};
+use super::{About, Echo, Flexed, JointAngle, Scanned, Touched, Truth, Wearer};
 
 /// All messages, those that others are made of first.
-fn all() -> [MessageSchema; 7] {
+fn all() -> [MessageSchema; 9] {
     [
         MessageSchema::describe(Contact::default()),
         MessageSchema::describe(Truth::default()),
@@ -17,6 +17,8 @@ fn all() -> [MessageSchema; 7] {
         MessageSchema::describe(Echo::default()),
         MessageSchema::describe(Wearer::default()),
         MessageSchema::describe(About::default()),
+        MessageSchema::describe(JointAngle::default()),
+        MessageSchema::describe(Flexed::default()),
     ]
 }
 

@@ -49,6 +49,7 @@ fn frames_come_back_as_they_went() {
             head: head(),
             body: Body::Touched(contacts),
             truth,
+            flexed: 0,
         };
         assert_eq!(Frame::touched(&bytes(&frame)), Some(frame));
     }
@@ -57,6 +58,7 @@ fn frames_come_back_as_they_went() {
         head: head(),
         body: Body::Scanned { module: 3, counts },
         truth: None,
+        flexed: 0,
     };
     assert_eq!(Frame::scanned(&bytes(&frame)), Some(frame));
 }
@@ -67,12 +69,14 @@ fn contacts_are_twenty_times_fewer_bytes_than_scans_of_a_hand() {
         head: head(),
         body: Body::Touched(vec![contact(1)]),
         truth: None,
+        flexed: 0,
     };
     let counts = vec![[33_000; 3]; 368];
     let scanned = Frame {
         head: head(),
         body: Body::Scanned { module: 0, counts },
         truth: None,
+        flexed: 0,
     };
     assert!(bytes(&scanned).len() > 20 * bytes(&touched).len());
 }
@@ -118,6 +122,7 @@ fn a_frame_of_too_many_contacts_is_none() {
         head: head(),
         body: Body::Touched((0..257).map(contact).collect()),
         truth: None,
+        flexed: 0,
     };
     assert_eq!(Frame::touched(&bytes(&frame)), None);
 }
@@ -146,6 +151,7 @@ fn an_empty_truth_is_another_than_none() {
         head: Head::default(),
         body: Body::Touched(vec![]),
         truth: Some(Truth::default()),
+        flexed: 0,
     };
     assert_eq!(bytes(&frame), [0x3a, 0]);
     assert_eq!(Frame::touched(&[0x3a, 0]), Some(frame));
@@ -189,7 +195,7 @@ proptest! {
 
     #[test]
     fn a_bit_that_fell_over_is_another_frame_or_none(place in 0..200_usize, bit in 0..8_u32) {
-        let frame = Frame { head: head(), body: Body::Touched(vec![contact(1), contact(2)]), truth: None };
+        let frame = Frame { head: head(), body: Body::Touched(vec![contact(1), contact(2)]), truth: None, flexed: 0 };
         let mut bytes = bytes(&frame);
         let place = place % bytes.len();
         bytes[place] ^= 1 << bit;

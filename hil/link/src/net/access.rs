@@ -138,7 +138,7 @@ fn writes(member: &Member) -> Vec<String> {
             .map(|rest| format!("{ROOT}/{finger}/{rest}"))
     });
     let felt = member.feels.iter().flat_map(|finger| {
-        ["wearers", "alive/wearer"].map(|rest| format!("{ROOT}/{finger}/{rest}/{name}"))
+        ["wearers", "alive/wearer", "flexion"].map(|rest| format!("{ROOT}/{finger}/{rest}/{name}"))
     });
     published.chain(felt).collect()
 }
@@ -149,10 +149,9 @@ fn reads(member: &Member) -> Vec<String> {
     if member.relays || member.watches {
         return vec![format!("{ROOT}/**")];
     }
-    let published = member
-        .publishes
-        .iter()
-        .flat_map(|finger| ["wearers/*", "alive/**"].map(|rest| format!("{ROOT}/{finger}/{rest}")));
+    let published = member.publishes.iter().flat_map(|finger| {
+        ["wearers/*", "flexion/*", "alive/**"].map(|rest| format!("{ROOT}/{finger}/{rest}"))
+    });
     let felt = member.feels.iter().flat_map(|finger| {
         let own = format!("echo/{name}");
         ["contacts/**", "scans/**", "about", "alive/**", &own]

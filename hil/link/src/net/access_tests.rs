@@ -83,10 +83,13 @@ fn rules_let_each_write_its_own_keys_and_read_what_it_feels() {
         [
             "palpate/r1/left/index/wearers/w1",
             "palpate/r1/left/index/alive/wearer/w1",
+            "palpate/r1/left/index/flexion/w1",
             "palpate/r2/*/*/wearers/w1",
             "palpate/r2/*/*/alive/wearer/w1",
+            "palpate/r2/*/*/flexion/w1",
         ]
     );
+    assert!(keys("egress-r1").contains(&"palpate/r1/*/*/flexion/*".to_owned()));
     assert!(keys("egress-w1").contains(&"palpate/r1/left/index/echo/w1".to_owned()));
     assert_eq!(keys("egress-office"), ["palpate/**"]);
     let rules = settings["rules"].as_array().unwrap();

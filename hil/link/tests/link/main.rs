@@ -1,4 +1,4 @@
-//! Tests of the link: the gate in virtual time, the felt path behind a network, programs on loopback, beside a driver unit,
+//! Tests of the link: the gate in virtual time, the felt path behind a network, programs on loopback, a glove, beside a driver unit,
 //! asleep, and with certificates that expire.
 
 // A failed expectation in a test is its message.
@@ -8,6 +8,7 @@ mod asleep;
 mod expiry;
 mod felt;
 mod gate;
+mod glove;
 mod loopback;
 mod programs;
 mod unit;

@@ -69,6 +69,7 @@ fn of_mcap(path: &Path) -> Result<Vec<Joint>, FileError> {
         let mut joint = Joint {
             name,
             points_s_deg: Vec::new(),
+            press: None,
         };
         for (t_ns, deg) in angles {
             let t_s = (t_ns / 1000).saturating_sub(zero_us) as f64 * 1e-6;
@@ -110,6 +111,7 @@ fn of_csv(path: &Path, timing: &Timing) -> Result<Vec<Joint>, FileError> {
     let named = rows.names().map(|name| Joint {
         name: name.strip_prefix(JOINT).unwrap_or(name).to_owned(),
         points_s_deg: Vec::new(),
+        press: None,
     });
     let mut joints: Vec<Joint> = named.collect();
     let (mut row, mut first): (Vec<f32>, _) = (Vec::new(), None);
