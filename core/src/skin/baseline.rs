@@ -360,8 +360,9 @@ impl Baseline {
             return;
         }
         for (i, counts) in frame.counts().iter().enumerate() {
-            if self.usable[i] && !rest.touches(i) {
-                self.reference.hear(i, *counts);
+            // Readings that leave a wrong reference, and the drift under a touch, are no noise.
+            if self.usable[i] && rest.rests(i, frame.magnitude()[i]) {
+                self.reference.hear(i, *counts, self.thresholds[i]);
             }
         }
         if rest.corrections().is_power_of_two() {

@@ -96,6 +96,14 @@ fn noisy(k: u64) -> impl Fn(usize) -> [u16; 3] {
     }
 }
 
+fn following() -> BaselineSettings {
+    BaselineSettings {
+        threshold: ThresholdRule::Fixed { counts: 20.0 },
+        drift: Some(Duration::from_millis(2000)),
+        ..Default::default()
+    }
+}
+
 fn ready(settings: BaselineSettings) -> (Layout, Baseline) {
     let l = pad();
     let mut init = Baseline::new(&l, settings).unwrap();
@@ -133,12 +141,25 @@ fn every_taxel_has_its_own_threshold_and_an_outlier_raises_no_other() {
 }
 
 #[test]
+fn a_single_reading_far_off_in_any_row_of_the_reference_has_it_taken_anew() {
+    let l = pad();
+    for leap in 0..10 {
+        let mut init = Baseline::new(&l, following()).unwrap();
+        for k in 0..11 {
+            let rest = noisy(k);
+            let rows = |i: usize| match rest(i) {
+                [x, y, z] if k == leap && i == 5 => [x, y, z + 3000],
+                rest => rest,
+            };
+            init.feed(&scan(&l, rows));
+        }
+        assert!(init.is_restarting(), "row {leap}");
+    }
+}
+
+#[test]
 fn the_reference_follows_drift_under_a_touch_too() {
-    let (l, mut init) = ready(BaselineSettings {
-        threshold: ThresholdRule::Fixed { counts: 20.0 },
-        drift: Some(Duration::from_millis(2000)),
-        ..Default::default()
-    });
+    let (l, mut init) = ready(following());
     let mut f = init.frame(&l);
     let mut s = Scan::new(&l);
     // 8 counts a second for two minutes; taxel 5 is pressed all the while.
@@ -164,11 +185,7 @@ fn the_reference_follows_drift_under_a_touch_too() {
 
 #[test]
 fn a_lone_leap_has_to_stay_once_one_was_gone_at_once() {
-    let (l, mut init) = ready(BaselineSettings {
-        threshold: ThresholdRule::Fixed { counts: 20.0 },
-        drift: Some(Duration::from_millis(2000)),
-        ..Default::default()
-    });
+    let (l, mut init) = ready(following());
     let mut f = init.frame(&l);
     let mut s = Scan::new(&l);
     let leaps = [3..9, 20..21, 40..41, 60..66];

@@ -25,6 +25,8 @@ struct Half {
     away: u16,
     sums: [u64; 3],
     seen: u32,
+    /// Squared step across the middle.
+    across: u32,
     steps: (u64, u32),
 }
 
@@ -94,7 +96,12 @@ impl Reference {
             let chosen = axes.filter(|(_, chosen)| *chosen);
             let away = chosen.map(|((a, b), _)| a.abs_diff(b)).max();
             half.away = half.away.max(away.unwrap_or(0));
-            self.hear(i, counts);
+            let before = self.steps[i].0;
+            self.hear(i, counts, f32::INFINITY);
+            if self.seen[i] == self.halves[i].seen {
+                let across = u32::try_from(self.steps[i].0 - before);
+                self.halves[i].across = across.unwrap_or(u32::MAX);
+            }
             self.seen[i] += 1;
             for (sum, c) in self.sums[i].iter_mut().zip(counts) {
                 *sum += u64::from(c);
@@ -102,16 +109,19 @@ impl Reference {
         }
     }
 
-    /// Takes a reading at rest for the noise alone.
-    pub(super) fn hear(&mut self, taxel: usize, counts: [u16; 3]) {
+    /// Takes a reading at rest for the noise alone. A step of more than `most` counts is none.
+    pub(super) fn hear(&mut self, taxel: usize, counts: [u16; 3], most: f32) {
         // Half the mean squared step is the variance, whatever slow drift there is (von Neumann 1941).
         // Rows that merely repeat carry no noise.
         if counts != self.last[taxel] {
             let axes = counts.iter().zip(self.last[taxel]).zip(self.axes);
             let chosen = axes.filter(|(_, chosen)| *chosen);
             let square = chosen.map(|((a, b), _)| u64::from(a.abs_diff(b)).pow(2));
-            self.steps[taxel].0 += square.sum::<u64>();
-            self.steps[taxel].1 += 1;
+            let square = square.sum::<u64>();
+            if square as f32 <= most * most {
+                self.steps[taxel].0 += square;
+                self.steps[taxel].1 += 1;
+            }
         }
         self.last[taxel] = counts;
     }
@@ -130,7 +140,9 @@ impl Reference {
         let (half, sums) = (&self.halves[taxel], &self.sums[taxel]);
         let (square, n) = self.steps[taxel];
         let noise = |square: u64, n: u32| libm::sqrt(0.5 * square as f64 / f64::from(n.max(1)));
-        let late = (square - half.steps.0, n - half.steps.1);
+        // A single reading far off makes two steps. Beside the middle they would make both halves noisy.
+        let (late, across) = (square - half.steps.0, u64::from(half.across));
+        let late = (late - across, n - half.steps.1 - u32::from(across > 0));
         let calm = noise(half.steps.0, half.steps.1).min(noise(late.0, late.1));
         let most = f64::from(most);
         if f64::from(half.away) > most + CALM_SIGMAS * calm {

@@ -11,7 +11,7 @@ use core::ops::Range;
 use super::reference::Reference;
 use super::relative::RelativeFrame;
 use super::speakers::{FEWEST, MIDDLE, Speakers};
-use super::together::Together;
+use super::together::{ENDED, Together, WIDEST};
 use crate::units::{Duration, Instant};
 
 /// Time between two corrections of the reference, s: the work is a small part of a frame's.
@@ -36,17 +36,14 @@ const STEEPEST: f32 = 60.0;
 /// Largest common step that is no touch, counts, and its growth while no taxel is known to be untouched.
 const STEP: f32 = 80.0;
 const STEP_PER_S: f32 = 25.0;
-/// Share of its strength at which a touch has ended where all of its module was touched.
-const ENDED: f32 = 0.5;
 /// Time in which no second common step is taken, s.
 const STEP_REST_S: f32 = 1.0;
 /// Share of a difference along which a reading below its reference is no touch.
 const BELOW: f32 = 0.7;
 /// Share that a taxel's own rate takes of a deviation: critically damped with the share that the reference takes. Learnt while
-/// the module drifts by more than so many counts per second, and up to so much of it.
+/// the module drifts by more than so many counts per second.
 const STEER: f32 = 0.5;
 const SLOWEST: f32 = 1.5;
-const WIDEST: f32 = 0.7;
 /// Drift of a module, counts per second, that tells half as much of a taxel's own rate as a steep one.
 const EVIDENT: f32 = 3.0;
 /// A reading below its reference by more than this share of the touch's strongest one contradicts the touch: skin bulges
@@ -58,9 +55,7 @@ const SPREADS: f32 = 0.2;
 /// Rank of the taxel beside a touch that speaks for its module, as a share: a little below the median, since a touch raises its
 /// neighbours.
 const BESIDE: f32 = 0.45;
-/// A remainder of a touch is dropped when it stood still for so long below this share of the touch, s.
-const STILL_S: f32 = 0.3;
-const REMAINDER: f32 = 0.1;
+/// Share of a touch's strength by which one that stands still changes at most.
 const STILL: f32 = 0.03;
 
 /// State of every taxel beyond its reference: 26 bytes.
@@ -121,6 +116,11 @@ impl Rest {
     /// True if a taxel is touched.
     pub(super) fn touches(&self, taxel: usize) -> bool {
         self.touched[taxel]
+    }
+
+    /// True if a taxel with a difference of so many counts is neither touched nor away from its reference.
+    pub(super) fn rests(&self, taxel: usize, magnitude: f32) -> bool {
+        !self.touched[taxel] && magnitude <= self.base[taxel]
     }
 
     /// A module whose reference has to be taken anew.
@@ -318,6 +318,7 @@ impl Rest {
         of.open = members > 0;
         if of.open && !was_open {
             (of.peak, of.still_s) = (0.0, 0.0);
+            (of.recent, of.drifted) = (0.0, 0.0);
         }
         of.peak = of.peak.max(strength);
         if libm::fabsf(strength - of.strength) > STILL * of.peak {
@@ -392,9 +393,8 @@ impl Rest {
         (common, dt): ([f32; 3], f32),
     ) {
         let of = &mut self.modules[m];
-        of.still_s += dt;
         of.corrections = of.corrections.saturating_add(1);
-        let drop = of.open && of.still_s > STILL_S && of.strength < REMAINDER * of.peak;
+        of.note_drift(norm(common), dt);
         let free = !of.open;
         let early = 1.0 / (of.corrections as f32 + 3.0);
         let slow = (dt / (dt + self.constant_s)).max(early);
@@ -409,6 +409,7 @@ impl Rest {
         let (touched, under) = (&self.touched[range.clone()], &mut self.under[range.clone()]);
         let left = &mut self.left[range.clone()];
         let gains = &mut self.gains[range.clone()];
+        let drop = of.has_ended(|i| magnitude[i] - base[i] - left[i], touched);
         let mut reference = reference.part(range);
         for i in 0..usable.len() {
             if !usable[i] {
@@ -429,6 +430,10 @@ impl Rest {
             let was_under = core::mem::replace(&mut under[i], -rest[2] > base[i]);
             let is_under = free && was_under && under[i];
             below |= is_under;
+            if is_under {
+                // A touch was taken for rest; it leaves something behind as others do.
+                left[i] = left[i].max(LEFT * -rest[2]);
+            }
             if was_under && -rest[2] > 2.0 * base[i] {
                 lowest = lowest.max(-rest[2]);
             }

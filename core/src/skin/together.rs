@@ -5,6 +5,16 @@ use core::ops::Range;
 use super::reference::Part;
 use super::relative::RelativeFrame;
 
+/// Share of its strength at which a touch has ended.
+pub(super) const ENDED: f32 = 0.5;
+/// Widest drift of a taxel beyond its module's, as a share of that.
+pub(super) const WIDEST: f32 = 0.7;
+/// Time for which what is left of a touch stands still, s, and the largest share of the touch that a remainder is.
+const STILL_S: f32 = 0.15;
+const REMAINDER: f32 = 0.1;
+/// Time constant with which a touch's strength is forgotten, s.
+const LATELY_S: f32 = 1.0;
+
 /// State of one module.
 #[derive(Clone, Debug)]
 pub(super) struct Together {
@@ -27,6 +37,9 @@ pub(super) struct Together {
     pub(super) peak: f32,
     pub(super) strength: f32,
     pub(super) still_s: f32,
+    /// Strength that the touch had lately, counts, and drift of the module under it, counts.
+    pub(super) recent: f32,
+    pub(super) drifted: f32,
     /// True if the module may have another board than before.
     pub(super) doubt: bool,
     /// Corrections in a row in which a taxel was below its reference without a touch.
@@ -50,10 +63,30 @@ impl Together {
             peak: 0.0,
             strength: 0.0,
             still_s: 0.0,
+            recent: 0.0,
+            drifted: 0.0,
             doubt: false,
             below: 0,
             wrong_s: 0.0,
         }
+    }
+
+    /// Takes note of a correction, by so many counts after `dt` seconds.
+    pub(super) fn note_drift(&mut self, counts: f32, dt: f32) {
+        self.still_s += dt;
+        self.drifted += counts;
+        self.recent = self.strength.max(self.recent * (1.0 - dt / LATELY_S));
+    }
+
+    /// Tells whether a touch has ended though taxels are beyond their limits, by `beyond` counts each: what they show stands still
+    /// and is a remainder, or the touch fell at once and drift under it can have moved them as far.
+    pub(super) fn has_ended(&self, beyond: impl Fn(usize) -> f32, touched: &[bool]) -> bool {
+        let fell = self.strength < ENDED * self.recent;
+        let drifted = |i: usize| beyond(i) <= WIDEST * self.drifted;
+        self.open
+            && self.still_s > STILL_S
+            && (self.strength < REMAINDER * self.peak
+                || fell && (0..touched.len()).all(|i| !touched[i] || drifted(i)))
     }
 
     /// Tells whether a module's readings are another board's: most are far from the reference, and too many of those below it
