@@ -66,7 +66,9 @@ const CONTROL2: u8 = regs::RESET[regs::CONTROL2 as usize];
 const POLLS: u32 = 150;
 /// Wait between two looks at a calibration, ms.
 const POLL_MS: u32 = 10;
-/// Time of one driver's start on a bus of 400 kbit/s, us: 14 writes and 11 reads, rounded up.
+/// Registers up to the last one that is read back.
+const ALL: usize = regs::CONTROL3 as usize + 1;
+/// Time of one driver's start on a bus of 400 kbit/s, us: 14 writes and as many bytes read as there are registers, rounded up.
 const START_US: u64 = 3000;
 /// Registers of a channel's settings, in the order in which they are written.
 const SETTINGS: [u8; 9] = [
@@ -244,6 +246,65 @@ impl<I: I2c> Haptics<I> {
         Ok((steps != 0).then(|| 1.0 / (f64::from(steps) * regs::PERIOD_S)))
     }
 
+    /// Tells whether a driver's output may move its motor, by its registers alone: a level in real-time playback, a run of GO,
+    /// or an input pin. Changes nothing of the driver.
+    ///
+    /// # Errors
+    /// [`HapticFault`] of a driver or switch that does not answer.
+    pub fn is_driving(&mut self, number: u8) -> Result<bool, HapticFault> {
+        let found = self.read_all(number, regs::MODE)?;
+        let [set, level, go] =
+            [regs::MODE, regs::RTP_INPUT, regs::GO].map(|register| found[usize::from(register)]);
+        let plays = match set & mode::KIND {
+            mode::REAL_TIME => level != 0,
+            mode::TRIGGER | mode::DIAGNOSE | mode::CALIBRATE => go & 1 != 0,
+            _ => true,
+        };
+        Ok(set & mode::STANDBY == 0 && plays)
+    }
+
+    /// Brings a driver to rest in whatever state another program has left it: no level, and standby where that is not all.
+    ///
+    /// # Errors
+    /// [`HapticFault`] of a driver or switch that does not answer.
+    pub fn silence(&mut self, number: u8) -> Result<(), HapticFault> {
+        self.set(number, 0)?;
+        let found = self.read_all(number, regs::MODE)?;
+        let [set, formats] =
+            [regs::MODE, regs::CONTROL3].map(|register| found[usize::from(register)]);
+        match (set, formats) {
+            (mode::REAL_TIME, regs::SIGNED_LEVELS) => Ok(()),
+            _ => self.write(number, regs::MODE, mode::STANDBY),
+        }
+    }
+
+    /// Checks that a DRV2605L answers at an actuator's place and complains of nothing, and that none answers while every
+    /// channel of the switches is closed. Reading its flags ends them; nothing else of the driver changes.
+    ///
+    /// # Errors
+    /// [`HapticFault`] with what is wrong there.
+    pub fn identify(&mut self, number: u8) -> Result<(), HapticFault> {
+        if self.state(number)?.behind.is_some() {
+            self.selected = None;
+            self.close_others(number, None)?;
+            let mut got = [0];
+            let beside = self.i2c.write_read(regs::ADDRESS, &[regs::MODE], &mut got);
+            if beside.is_ok() {
+                return Err(HapticFault::Beside(number));
+            }
+        }
+        let found = self.read(number, regs::STATUS)?;
+        match found >> status::DEVICE {
+            status::DRV2605L => complain(number, found),
+            device => Err(HapticFault::Device(number, device)),
+        }
+    }
+
+    /// The bus.
+    pub const fn bus(&self) -> &I {
+        &self.i2c
+    }
+
     /// The bus, for an owner that looks after it between two transfers.
     pub const fn bus_mut(&mut self) -> &mut I {
         &mut self.i2c
@@ -271,11 +332,11 @@ impl<I: I2c> Haptics<I> {
 
     fn verify_one(&mut self, number: u8) -> Result<(), HapticFault> {
         let state = self.state(number)?;
-        let found = self.read(number, regs::STATUS)?;
-        complain(number, found)?;
+        let found = self.read_all(number, regs::STATUS)?;
+        complain(number, found[usize::from(regs::STATUS)])?;
         let settings = SETTINGS.into_iter().zip(state.settings);
         for (register, want) in settings.chain([(regs::MODE, mode::REAL_TIME)]) {
-            let got = self.read(number, register)?;
+            let got = found[usize::from(register)];
             match register {
                 _ if got == want => {}
                 TAG => return Err(HapticFault::Elsewhere(number, got)),
@@ -297,13 +358,29 @@ impl<I: I2c> Haptics<I> {
         Ok(())
     }
 
-    fn numbers(&self) -> core::ops::Range<u8> {
+    /// Numbers of all actuators.
+    pub fn numbers(&self) -> core::ops::Range<u8> {
         0..self.drivers.len() as u8 // at most 16
     }
 
     fn state(&self, number: u8) -> Result<State, HapticFault> {
         let state = self.drivers.get(usize::from(number)).copied();
         state.ok_or(HapticFault::NoSuchActuator(number))
+    }
+
+    /// Closes the switches that may be open, but for one: channels of two must not be connected together, since their drivers
+    /// have one address.
+    fn close_others(&mut self, number: u8, but: Option<u8>) -> Result<(), HapticFault> {
+        let before = self.selected.take();
+        let others = self.drivers.iter().filter_map(|d| Some(d.behind?.0));
+        let others = others.fold(0_u8, |all, other| all | 1 << (other & 7));
+        let is_open = |other: u8| before.is_none_or(|(open, _)| open == other);
+        for other in mux::ADDRESSES {
+            if Some(other) != but && others & 1 << (other & 7) != 0 && is_open(other) {
+                self.patiently(number, "switch", |i2c| i2c.write(other, &[mux::RESET]))?;
+            }
+        }
+        Ok(())
     }
 
     /// Connects an actuator's channel alone, and reads that back.
@@ -314,16 +391,7 @@ impl<I: I2c> Haptics<I> {
         if self.selected == Some((address, channel)) {
             return Ok(());
         }
-        // Channels of two switches must not be connected together: their drivers have one address.
-        let before = self.selected.take();
-        let others = self.drivers.iter().filter_map(|d| Some(d.behind?.0));
-        let others = others.fold(0_u8, |all, other| all | 1 << (other & 7));
-        let is_open = |other: u8| before.is_none_or(|(open, _)| open == other);
-        for other in mux::ADDRESSES {
-            if other != address && others & 1 << (other & 7) != 0 && is_open(other) {
-                self.patiently(number, "switch", |i2c| i2c.write(other, &[0]))?;
-            }
-        }
+        self.close_others(number, Some(address))?;
         let want = mux::only(channel);
         self.patiently(number, "switch", |i2c| i2c.write(address, &[want]))?;
         let mut got = [0];
@@ -348,6 +416,18 @@ impl<I: I2c> Haptics<I> {
             i2c.write_read(regs::ADDRESS, &[register], &mut got)
         })?;
         Ok(got[0])
+    }
+
+    /// Registers from one on to the last of the settings, in one transfer: on many adapters a transfer takes as long as its
+    /// bytes. Those before it read as zero.
+    fn read_all(&mut self, number: u8, first: u8) -> Result<[u8; ALL], HapticFault> {
+        self.select(number)?;
+        let mut all = [0; ALL];
+        self.patiently(number, "driver", |i2c| {
+            let wanted = all.get_mut(usize::from(first)..).unwrap_or_default();
+            i2c.write_read(regs::ADDRESS, &[first], wanted)
+        })?;
+        Ok(all)
     }
 
     /// Makes a transfer, and makes it again from its first byte after a transient error.
