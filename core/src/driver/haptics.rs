@@ -88,8 +88,8 @@ const TAG: u8 = regs::SEQUENCE + regs::ENTRIES - 1;
 
 /// One driver with its codes.
 #[derive(Clone, Copy, Debug)]
-struct State {
-    behind: Option<(u8, u8)>,
+pub(super) struct State {
+    pub(super) behind: Option<(u8, u8)>,
     /// Codes of [`SETTINGS`].
     settings: [u8; SETTINGS.len()],
     /// Level that the chip was last told; `None` where it may have another.
@@ -154,10 +154,10 @@ impl State {
 /// DRV2605L drivers behind TCA9548A switches, or one alone. To the loop they are board 0, an actuator its channel.
 #[derive(Debug)]
 pub struct Haptics<I> {
-    i2c: I,
+    pub(super) i2c: I,
     drivers: Box<[State]>,
     /// The switch and its channel that are connected; `None` after anything that may have left them otherwise.
-    selected: Option<(u8, u8)>,
+    pub(super) selected: Option<(u8, u8)>,
     retries: u64,
     traffic: Traffic,
 }
@@ -246,60 +246,6 @@ impl<I: I2c> Haptics<I> {
         Ok((steps != 0).then(|| 1.0 / (f64::from(steps) * regs::PERIOD_S)))
     }
 
-    /// Tells whether a driver's output may move its motor, by its registers alone: a level in real-time playback, a run of GO,
-    /// or an input pin. Changes nothing of the driver.
-    ///
-    /// # Errors
-    /// [`HapticFault`] of a driver or switch that does not answer.
-    pub fn is_driving(&mut self, number: u8) -> Result<bool, HapticFault> {
-        let found = self.read_all(number, regs::MODE)?;
-        let [set, level, go] =
-            [regs::MODE, regs::RTP_INPUT, regs::GO].map(|register| found[usize::from(register)]);
-        let plays = match set & mode::KIND {
-            mode::REAL_TIME => level != 0,
-            mode::TRIGGER | mode::DIAGNOSE | mode::CALIBRATE => go & 1 != 0,
-            _ => true,
-        };
-        Ok(set & mode::STANDBY == 0 && plays)
-    }
-
-    /// Brings a driver to rest in whatever state another program has left it: no level, and standby where that is not all.
-    ///
-    /// # Errors
-    /// [`HapticFault`] of a driver or switch that does not answer.
-    pub fn silence(&mut self, number: u8) -> Result<(), HapticFault> {
-        self.set(number, 0)?;
-        let found = self.read_all(number, regs::MODE)?;
-        let [set, formats] =
-            [regs::MODE, regs::CONTROL3].map(|register| found[usize::from(register)]);
-        match (set, formats) {
-            (mode::REAL_TIME, regs::SIGNED_LEVELS) => Ok(()),
-            _ => self.write(number, regs::MODE, mode::STANDBY),
-        }
-    }
-
-    /// Checks that a DRV2605L answers at an actuator's place and complains of nothing, and that none answers while every
-    /// channel of the switches is closed. Reading its flags ends them; nothing else of the driver changes.
-    ///
-    /// # Errors
-    /// [`HapticFault`] with what is wrong there.
-    pub fn identify(&mut self, number: u8) -> Result<(), HapticFault> {
-        if self.state(number)?.behind.is_some() {
-            self.selected = None;
-            self.close_others(number, None)?;
-            let mut got = [0];
-            let beside = self.i2c.write_read(regs::ADDRESS, &[regs::MODE], &mut got);
-            if beside.is_ok() {
-                return Err(HapticFault::Beside(number));
-            }
-        }
-        let found = self.read(number, regs::STATUS)?;
-        match found >> status::DEVICE {
-            status::DRV2605L => complain(number, found),
-            device => Err(HapticFault::Device(number, device)),
-        }
-    }
-
     /// The bus.
     pub const fn bus(&self) -> &I {
         &self.i2c
@@ -347,7 +293,7 @@ impl<I: I2c> Haptics<I> {
     }
 
     /// Sets the level of an actuator. Only a guarded update and switching off come here.
-    fn set(&mut self, number: u8, level: u8) -> Result<(), HapticFault> {
+    pub(super) fn set(&mut self, number: u8, level: u8) -> Result<(), HapticFault> {
         if let Some(state) = self.drivers.get_mut(usize::from(number)) {
             state.told = None;
         }
@@ -363,14 +309,14 @@ impl<I: I2c> Haptics<I> {
         0..self.drivers.len() as u8 // at most 16
     }
 
-    fn state(&self, number: u8) -> Result<State, HapticFault> {
+    pub(super) fn state(&self, number: u8) -> Result<State, HapticFault> {
         let state = self.drivers.get(usize::from(number)).copied();
         state.ok_or(HapticFault::NoSuchActuator(number))
     }
 
     /// Closes the switches that may be open, but for one: channels of two must not be connected together, since their drivers
     /// have one address.
-    fn close_others(&mut self, number: u8, but: Option<u8>) -> Result<(), HapticFault> {
+    pub(super) fn close_others(&mut self, number: u8, but: Option<u8>) -> Result<(), HapticFault> {
         let before = self.selected.take();
         let others = self.drivers.iter().filter_map(|d| Some(d.behind?.0));
         let others = others.fold(0_u8, |all, other| all | 1 << (other & 7));
@@ -403,13 +349,13 @@ impl<I: I2c> Haptics<I> {
         Ok(())
     }
 
-    fn write(&mut self, number: u8, register: u8, value: u8) -> Result<(), HapticFault> {
+    pub(super) fn write(&mut self, number: u8, register: u8, value: u8) -> Result<(), HapticFault> {
         self.select(number)?;
         let bytes = [register, value];
         self.patiently(number, "driver", |i2c| i2c.write(regs::ADDRESS, &bytes))
     }
 
-    fn read(&mut self, number: u8, register: u8) -> Result<u8, HapticFault> {
+    pub(super) fn read(&mut self, number: u8, register: u8) -> Result<u8, HapticFault> {
         self.select(number)?;
         let mut got = [0];
         self.patiently(number, "driver", |i2c| {
@@ -420,7 +366,7 @@ impl<I: I2c> Haptics<I> {
 
     /// Registers from one on to the last of the settings, in one transfer: on many adapters a transfer takes as long as its
     /// bytes. Those before it read as zero.
-    fn read_all(&mut self, number: u8, first: u8) -> Result<[u8; ALL], HapticFault> {
+    pub(super) fn read_all(&mut self, number: u8, first: u8) -> Result<[u8; ALL], HapticFault> {
         self.select(number)?;
         let mut all = [0; ALL];
         self.patiently(number, "driver", |i2c| {
@@ -456,7 +402,7 @@ impl<I: I2c> Haptics<I> {
 const MOST: usize = 16;
 
 /// Turns the flags of a status register into an error.
-const fn complain(number: u8, found: u8) -> Result<(), HapticFault> {
+pub(super) const fn complain(number: u8, found: u8) -> Result<(), HapticFault> {
     if found & status::OVER_TEMPERATURE != 0 {
         return Err(HapticFault::OverTemperature(number));
     }

@@ -20,7 +20,7 @@ const CHIP_WORDS: usize = (REGISTERS + 3).div_ceil(8);
 const CHIP_END: usize = 2 + CHIPS * CHIP_WORDS;
 /// A state in words: the count of changes, the time of the last one, the chips, the switch.
 pub const WORDS: usize = CHIP_END + SWITCH_WORDS;
-/// What an adapter drives: the widths of each chip's pulses, and last the levels of motors.
+/// Rows of what an adapter drives: the widths of each chip's pulses, and last the levels of motors.
 pub const ROWS: usize = CHIPS + 1;
 /// All rows in words.
 pub const WIDTH_WORDS: usize = ROWS * CHANNELS / 4;

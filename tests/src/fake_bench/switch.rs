@@ -56,7 +56,7 @@ impl Driver {
         }
     }
 
-    /// A message from it: what it lets a line low.
+    /// A message from it: a bit that it lets low is low.
     fn read(&mut self, bytes: &mut [u8]) {
         for byte in bytes {
             let value = self.registers.get(usize::from(self.pointer));
@@ -71,7 +71,7 @@ impl Driver {
 pub struct Switch {
     /// Its address; zero where there is none.
     address: u8,
-    /// What was written to it, as it reads back.
+    /// Byte that was written to it last, as it reads back.
     control: u8,
     /// Channels that are connected whatever is written; zero for a switch that works.
     pub stuck: u8,
