@@ -24,7 +24,7 @@ const NO_REFERENCE: u32 = 100_000;
 /// Ticks of a PWM period.
 const TICKS: f64 = 4096.0;
 /// Length of a motor's burst, long enough for it to be felt by a hand that holds it.
-const BUZZ: Duration = Duration::from_millis(75);
+const BUZZ: Duration = Duration::from_millis(60);
 
 /// One pulse of one wire of a bench.
 pub(super) struct PulsePlan {
