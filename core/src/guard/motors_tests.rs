@@ -361,6 +361,8 @@ fn motors_of_an_unknown_past_begin_at_their_limits_and_are_as_new_a_while_later(
     let (level, entry) = one(&mut guard, 256, ms(1000), ms(2000));
     assert_eq!(level, 7);
     assert_eq!((entry.until, entry.reason), (ms(1400), Some(Reason::Duty)));
+    let off = guard.expire_vibration(ms(1400), Board(0)).unwrap();
+    guard.confirm_vibration(&off, ms(1400));
     let (level, entry) = one(&mut guard, 4096, ms(60_000), ms(60_400));
     assert_eq!((level, entry.reason), (127, None));
 }
