@@ -266,9 +266,11 @@ impl PulsePlan {
             until: at + projector.timing().duration,
         };
         let mut passed = None;
-        match motors {
-            Some(_) => drop(guard.admit_vibration(at, board, &[stimulus], |e| passed = Some(e))),
-            None => drop(guard.admit(at, board, &[stimulus], |entry| passed = Some(entry))),
+        let ledger = |entry| passed = Some(entry);
+        if motors.is_some() {
+            guard.admit_vibration(at, board, &[stimulus], ledger);
+        } else {
+            guard.admit(at, board, &[stimulus], ledger);
         }
         let nothing = |why: &str| {
             Failure::Guard(format!(
