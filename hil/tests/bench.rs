@@ -33,6 +33,8 @@ mod lacks;
 mod ledger;
 #[path = "bench/model.rs"]
 mod model;
+#[path = "bench/motors.rs"]
+mod motors;
 #[path = "bench/names.rs"]
 mod names;
 #[path = "bench/off.rs"]

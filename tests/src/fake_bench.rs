@@ -4,10 +4,12 @@
 mod chip;
 mod mapped;
 mod page;
+mod switch;
 
 pub use chip::{Chip, State};
 pub use mapped::{Mapped, Page};
 pub use page::{AdapterPage, Change, Mode};
+pub use switch::Switch;
 
 use std::sync::atomic::{AtomicI64, AtomicU32, Ordering};
 

@@ -77,10 +77,16 @@ pub mod status {
 
 /// Values of [`MODE`].
 pub mod mode {
+    /// Bits that tell the mode.
+    pub const KIND: u8 = 0x07;
     /// Standby: the output is off, registers stay.
     pub const STANDBY: u8 = 0x40;
+    /// GO plays the sequencer's entries.
+    pub const TRIGGER: u8 = 0;
     /// The level in RTP_INPUT drives the output.
     pub const REAL_TIME: u8 = 5;
+    /// GO diagnoses the motor.
+    pub const DIAGNOSE: u8 = 6;
     /// GO calibrates.
     pub const CALIBRATE: u8 = 7;
 }

@@ -50,6 +50,11 @@ pub enum HapticFault {
         "actuator {0}: the driver of actuator {1} answers; the switch is stuck: pull its RESET pin low or switch it off and on"
     )]
     Elsewhere(u8, u8),
+    /// A driver answers while no channel of the switch is connected.
+    #[error(
+        "actuator {0}: a driver answers while every channel of the switch is closed: it sits beside the switch, or the switch is stuck; move it behind its channel, or pull the switch's RESET pin low"
+    )]
+    Beside(u8),
     /// The device number is another chip's: read.
     #[error(
         "actuator {0}: device number {1}, expected 7 of a DRV2605L; check which chip is on this channel"

@@ -66,7 +66,9 @@ const CONTROL2: u8 = regs::RESET[regs::CONTROL2 as usize];
 const POLLS: u32 = 150;
 /// Wait between two looks at a calibration, ms.
 const POLL_MS: u32 = 10;
-/// Time of one driver's start on a bus of 400 kbit/s, us: 14 writes and 11 reads, rounded up.
+/// Registers up to the last one that is read back.
+const ALL: usize = regs::CONTROL3 as usize + 1;
+/// Time of one driver's start on a bus of 400 kbit/s, us: 14 writes and as many bytes read as there are registers, rounded up.
 const START_US: u64 = 3000;
 /// Registers of a channel's settings, in the order in which they are written.
 const SETTINGS: [u8; 9] = [
@@ -86,8 +88,8 @@ const TAG: u8 = regs::SEQUENCE + regs::ENTRIES - 1;
 
 /// One driver with its codes.
 #[derive(Clone, Copy, Debug)]
-struct State {
-    behind: Option<(u8, u8)>,
+pub(super) struct State {
+    pub(super) behind: Option<(u8, u8)>,
     /// Codes of [`SETTINGS`].
     settings: [u8; SETTINGS.len()],
     /// Level that the chip was last told; `None` where it may have another.
@@ -152,10 +154,10 @@ impl State {
 /// DRV2605L drivers behind TCA9548A switches, or one alone. To the loop they are board 0, an actuator its channel.
 #[derive(Debug)]
 pub struct Haptics<I> {
-    i2c: I,
+    pub(super) i2c: I,
     drivers: Box<[State]>,
     /// The switch and its channel that are connected; `None` after anything that may have left them otherwise.
-    selected: Option<(u8, u8)>,
+    pub(super) selected: Option<(u8, u8)>,
     retries: u64,
     traffic: Traffic,
 }
@@ -244,6 +246,11 @@ impl<I: I2c> Haptics<I> {
         Ok((steps != 0).then(|| 1.0 / (f64::from(steps) * regs::PERIOD_S)))
     }
 
+    /// The bus.
+    pub const fn bus(&self) -> &I {
+        &self.i2c
+    }
+
     /// The bus, for an owner that looks after it between two transfers.
     pub const fn bus_mut(&mut self) -> &mut I {
         &mut self.i2c
@@ -271,11 +278,11 @@ impl<I: I2c> Haptics<I> {
 
     fn verify_one(&mut self, number: u8) -> Result<(), HapticFault> {
         let state = self.state(number)?;
-        let found = self.read(number, regs::STATUS)?;
-        complain(number, found)?;
+        let found = self.read_all(number, regs::STATUS)?;
+        complain(number, found[usize::from(regs::STATUS)])?;
         let settings = SETTINGS.into_iter().zip(state.settings);
         for (register, want) in settings.chain([(regs::MODE, mode::REAL_TIME)]) {
-            let got = self.read(number, register)?;
+            let got = found[usize::from(register)];
             match register {
                 _ if got == want => {}
                 TAG => return Err(HapticFault::Elsewhere(number, got)),
@@ -286,7 +293,7 @@ impl<I: I2c> Haptics<I> {
     }
 
     /// Sets the level of an actuator. Only a guarded update and switching off come here.
-    fn set(&mut self, number: u8, level: u8) -> Result<(), HapticFault> {
+    pub(super) fn set(&mut self, number: u8, level: u8) -> Result<(), HapticFault> {
         if let Some(state) = self.drivers.get_mut(usize::from(number)) {
             state.told = None;
         }
@@ -297,13 +304,29 @@ impl<I: I2c> Haptics<I> {
         Ok(())
     }
 
-    fn numbers(&self) -> core::ops::Range<u8> {
+    /// Numbers of all actuators.
+    pub fn numbers(&self) -> core::ops::Range<u8> {
         0..self.drivers.len() as u8 // at most 16
     }
 
-    fn state(&self, number: u8) -> Result<State, HapticFault> {
+    pub(super) fn state(&self, number: u8) -> Result<State, HapticFault> {
         let state = self.drivers.get(usize::from(number)).copied();
         state.ok_or(HapticFault::NoSuchActuator(number))
+    }
+
+    /// Closes the switches that may be open, but for one: channels of two must not be connected together, since their drivers
+    /// have one address.
+    pub(super) fn close_others(&mut self, number: u8, but: Option<u8>) -> Result<(), HapticFault> {
+        let before = self.selected.take();
+        let others = self.drivers.iter().filter_map(|d| Some(d.behind?.0));
+        let others = others.fold(0_u8, |all, other| all | 1 << (other & 7));
+        let is_open = |other: u8| before.is_none_or(|(open, _)| open == other);
+        for other in mux::ADDRESSES {
+            if Some(other) != but && others & 1 << (other & 7) != 0 && is_open(other) {
+                self.patiently(number, "switch", |i2c| i2c.write(other, &[mux::RESET]))?;
+            }
+        }
+        Ok(())
     }
 
     /// Connects an actuator's channel alone, and reads that back.
@@ -314,16 +337,7 @@ impl<I: I2c> Haptics<I> {
         if self.selected == Some((address, channel)) {
             return Ok(());
         }
-        // Channels of two switches must not be connected together: their drivers have one address.
-        let before = self.selected.take();
-        let others = self.drivers.iter().filter_map(|d| Some(d.behind?.0));
-        let others = others.fold(0_u8, |all, other| all | 1 << (other & 7));
-        let is_open = |other: u8| before.is_none_or(|(open, _)| open == other);
-        for other in mux::ADDRESSES {
-            if other != address && others & 1 << (other & 7) != 0 && is_open(other) {
-                self.patiently(number, "switch", |i2c| i2c.write(other, &[0]))?;
-            }
-        }
+        self.close_others(number, Some(address))?;
         let want = mux::only(channel);
         self.patiently(number, "switch", |i2c| i2c.write(address, &[want]))?;
         let mut got = [0];
@@ -335,19 +349,31 @@ impl<I: I2c> Haptics<I> {
         Ok(())
     }
 
-    fn write(&mut self, number: u8, register: u8, value: u8) -> Result<(), HapticFault> {
+    pub(super) fn write(&mut self, number: u8, register: u8, value: u8) -> Result<(), HapticFault> {
         self.select(number)?;
         let bytes = [register, value];
         self.patiently(number, "driver", |i2c| i2c.write(regs::ADDRESS, &bytes))
     }
 
-    fn read(&mut self, number: u8, register: u8) -> Result<u8, HapticFault> {
+    pub(super) fn read(&mut self, number: u8, register: u8) -> Result<u8, HapticFault> {
         self.select(number)?;
         let mut got = [0];
         self.patiently(number, "driver", |i2c| {
             i2c.write_read(regs::ADDRESS, &[register], &mut got)
         })?;
         Ok(got[0])
+    }
+
+    /// Registers from one on to the last of the settings, in one transfer: on many adapters a transfer takes as long as its
+    /// bytes. Those before it read as zero.
+    pub(super) fn read_all(&mut self, number: u8, first: u8) -> Result<[u8; ALL], HapticFault> {
+        self.select(number)?;
+        let mut all = [0; ALL];
+        self.patiently(number, "driver", |i2c| {
+            let wanted = all.get_mut(usize::from(first)..).unwrap_or_default();
+            i2c.write_read(regs::ADDRESS, &[first], wanted)
+        })?;
+        Ok(all)
     }
 
     /// Makes a transfer, and makes it again from its first byte after a transient error.
@@ -376,7 +402,7 @@ impl<I: I2c> Haptics<I> {
 const MOST: usize = 16;
 
 /// Turns the flags of a status register into an error.
-const fn complain(number: u8, found: u8) -> Result<(), HapticFault> {
+pub(super) const fn complain(number: u8, found: u8) -> Result<(), HapticFault> {
     if found & status::OVER_TEMPERATURE != 0 {
         return Err(HapticFault::OverTemperature(number));
     }

@@ -6,6 +6,7 @@ mod audio_fault;
 mod banks;
 mod dac7578;
 mod haptic_fault;
+mod haptic_look;
 mod haptics;
 mod look;
 mod pca9685;

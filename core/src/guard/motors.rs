@@ -248,6 +248,19 @@ impl Guard {
         Ok(guard)
     }
 
+    /// Guard of motors of which nobody knows how an earlier guard has left them: each coil counts as warm as its limit allows,
+    /// and no time on is saved up.
+    #[must_use]
+    pub fn after_unknown_use(mut self) -> Self {
+        if let Some(motors) = &mut self.motors {
+            let rise_k = motors.limits.rise_k;
+            for motor in &mut motors.each {
+                (motor.rise_k, motor.left_s) = (rise_k, 0.0);
+            }
+        }
+        self
+    }
+
     /// Limits of its motors; `None` for a guard of wires.
     pub fn motors(&self) -> Option<&MotorLimits> {
         self.motors.as_ref().map(|motors| &motors.limits)

@@ -345,3 +345,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn motors_of_an_unknown_past_begin_at_their_limits_and_are_as_new_a_while_later() {
+    let tight = MotorLimits {
+        rise_k: 10.0,
+        ..EASY
+    };
+    let mut guard = guard(tight).after_unknown_use();
+    assert!((guard.coil_rise_k(ms(0)) - 10.0).abs() < 1e-9);
+    // No time on is saved up: the update passes nothing.
+    let (level, entry) = one(&mut guard, 4096, ms(0), ms(100));
+    assert_eq!((level, entry.reason), (0, Some(Reason::CoilHeat)));
+    // A second saves up four fifths of half of it, and the coil has lost a tenth of its rise.
+    let (level, entry) = one(&mut guard, 256, ms(1000), ms(2000));
+    assert_eq!(level, 7);
+    assert_eq!((entry.until, entry.reason), (ms(1400), Some(Reason::Duty)));
+    let off = guard.expire_vibration(ms(1400), Board(0)).unwrap();
+    guard.confirm_vibration(&off, ms(1400));
+    let (level, entry) = one(&mut guard, 4096, ms(60_000), ms(60_400));
+    assert_eq!((level, entry.reason), (127, None));
+}

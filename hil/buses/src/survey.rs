@@ -12,9 +12,10 @@ use socketcan::nl::CanState;
 use socketcan::{CanInterface, CanSocket, Socket};
 
 use crate::can::is_up;
-use crate::guardian::{Latch, Sweeper, Watch, WatchedBus, stops_folder};
+use crate::guardian::{Latch, Sweeper, Watch, WatchedBus, haptics, stops_folder};
 use crate::hardware::Hardware;
-use crate::i2c::{LinuxAdapter, number};
+use crate::i2c::{Line, LinuxAdapter, number};
+use crate::lock::BusLock;
 use crate::pacer::{Pacer, RunClock};
 use crate::sys::{lock_memory_limit, set_fifo_priority};
 
@@ -184,6 +185,7 @@ fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
         path,
         boards: Vec::new(),
         converters: Vec::new(),
+        motors: Vec::new(),
     };
     let listed = || nodes("/dev", "i2c-").into_iter().map(listed).collect();
     let buses: Vec<WatchedBus> = watch.map_or_else(listed, |watch| watch.buses.clone());
@@ -217,10 +219,16 @@ fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
                 continue;
             }
         }
-        if let Some(watch) = watch.filter(|_| !bus.boards.is_empty()) {
+        let off = match bus.motors.is_empty() {
+            true => format!("hil off --unlatch --i2c {}", path.display()),
+            false => "hil off --unlatch --bench FILE".to_owned(),
+        };
+        if let Some(watch) = watch.filter(|_| !bus.motors.is_empty()) {
+            findings.extend(look_at_motors(&bus, watch));
+        } else if let Some(watch) = watch.filter(|_| !bus.boards.is_empty()) {
             findings.extend(look_at_boards(bus, watch));
         }
-        findings.extend(look_at_latch(&path));
+        findings.extend(look_at_latch(&path, &off));
     }
     findings
 }
@@ -246,18 +254,62 @@ fn look_at_boards(bus: WatchedBus, watch: &Watch) -> Vec<Finding> {
     boards.collect()
 }
 
-fn look_at_latch(path: &Path) -> Option<Finding> {
+/// Looks at every driver of motors behind its switch. That moves the switch, so a run on the bus forbids it.
+fn look_at_motors(bus: &WatchedBus, watch: &Watch) -> Vec<Finding> {
+    const ABOUT: &str = "motor";
+    let hardware = Hardware::adapter(&bus.path).map_err(|error| error.to_string());
+    let lock = hardware.and_then(|own| BusLock::take(&own).map_err(|error| error.to_string()));
+    let opened = lock.and_then(|lock| {
+        let adapter = LinuxAdapter::open(&bus.path, &bus.addresses());
+        let adapter = adapter.map_err(|error| error.to_string())?;
+        let line = Line::new(adapter, watch.transfer).map_err(|error| error.to_string())?;
+        let haptics = haptics(line, &bus.motors).map_err(|error| error.to_string())?;
+        Ok((lock, haptics))
+    });
+    let (_lock, mut haptics) = match opened {
+        Ok(opened) => opened,
+        Err(says) => {
+            let remedy = "end the run that holds the bus, or: hil off --bench FILE".into();
+            return vec![Finding::bad(ABOUT, says, remedy)];
+        }
+    };
+    let look = |(number, behind): (u8, &Option<(u8, u8)>)| {
+        let place = behind.map_or_else(
+            || "alone on the bus".to_owned(),
+            |(switch, channel)| format!("channel {channel} of the switch at {switch:#04x}"),
+        );
+        let about = format!("{number}, {place}");
+        let seen = haptics.identify(number);
+        match seen.and_then(|()| haptics.is_driving(number)) {
+            Ok(false) => Finding::good(ABOUT, format!("{about}: a DRV2605L, at rest")),
+            Ok(true) => {
+                let says = format!("{about}: its driver drives it");
+                Finding::bad(ABOUT, says, "hil off --bench FILE".into())
+            }
+            Err(fault) => {
+                let fault = fault.to_string();
+                let (says, remedy) = fault.split_once("; ").unwrap_or((&fault, ""));
+                Finding::bad(ABOUT, format!("{about}: {says}"), remedy.into())
+            }
+        }
+    };
+    (0..).zip(&bus.motors).map(look).collect()
+}
+
+/// Looks at the stop of an adapter, which the command `off` clears.
+fn look_at_latch(path: &Path, off: &str) -> Option<Finding> {
     let held = Latch::new(&Hardware::adapter(path).ok()?).look()?;
-    let off = if held.verified {
+    let known = if held.verified {
         "everything was off"
     } else {
         "not everything was known to be off"
     };
-    let says = format!("{}: stopped earlier: {}; {off}", path.display(), held.cause);
-    let remedy = format!(
-        "look at the bench, then: hil off --unlatch --i2c {}",
-        path.display()
+    let says = format!(
+        "{}: stopped earlier: {}; {known}",
+        path.display(),
+        held.cause
     );
+    let remedy = format!("look at the bench, then: {off}");
     Some(Finding::bad("stop", says, remedy))
 }
 

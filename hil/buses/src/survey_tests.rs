@@ -10,6 +10,7 @@ fn what_is_missing_comes_with_a_command() {
             path: "/dev/i2c-999".into(),
             boards: vec![0x40],
             converters: Vec::new(),
+            motors: Vec::new(),
         }],
         oe: Some(("/dev/no-such-chip".into(), 1)),
         heartbeat: std::time::Duration::from_millis(50),

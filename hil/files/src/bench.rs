@@ -404,8 +404,13 @@ impl Bench {
                 Err(source.bad("kind", "a [real] table that names the buses"))
             }
             (BenchKind::Real, Some(real)) => {
-                let of_display = DISPLAY.into_iter().filter(|_| self.displays.is_empty());
-                let mut needed = HARDWARE.into_iter().chain(of_display);
+                let (wires, display) = match (&self.haptics, self.displays.is_empty()) {
+                    // Motors have drivers in place of outputs, and `check_haptics` asks for theirs.
+                    (Some(_), _) => (&HARDWARE[..0], &DISPLAY[..1]),
+                    (None, true) => (&HARDWARE[..], &DISPLAY[..]),
+                    (None, false) => (&HARDWARE[..], &DISPLAY[..0]),
+                };
+                let mut needed = wires.iter().chain(display);
                 let missing = needed.find(|key| !source.states(key));
                 let unit = self.unit.is_some();
                 missing.map_or_else(

@@ -348,14 +348,18 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         false
     }
 
-    /// Words for the wire that was on for too long, with the cause that stopped the run before, where it is known.
+    /// Words for the wire or motor that was on for too long, with the cause that stopped the run before, where it is known.
     pub fn overrun(&self) -> Option<String> {
         let guard = self.projector.guard();
         let found = guard.overrun()?;
         let ms = |span: Duration| span.as_micros().div_ceil(1000);
         let (on, most) = (ms(found.on), ms(guard.limits().burst));
+        let actuator = match guard.motors() {
+            Some(_) => "motor",
+            None => "wire",
+        };
         let overrun = format!(
-            "overrun: wire {} was on for {on} ms, allowed are {most} ms: its off came too late",
+            "overrun: {actuator} {} was on for {on} ms, allowed are {most} ms: its off came too late",
             found.wire
         );
         Some(match guard.latched() {

@@ -87,7 +87,7 @@ pub struct OffArgs {
 /// Options of `hil pulse`.
 #[derive(Debug, Args)]
 pub struct PulseArgs {
-    /// The wire, counted from 0 in the order of the display, as benches, protocols and records count it.
+    /// The wire or motor, counted from 0 in the order of the display, as benches, protocols and records count it.
     #[arg(value_name = "WIRE", value_parser = whole::<u16, 0, 127>, allow_hyphen_values = true)]
     pub wire: u16,
     /// A built-in bench or a file (default: emulated).

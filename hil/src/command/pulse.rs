@@ -1,4 +1,4 @@
-//! `hil pulse`: one wire is heated once, by the way of every run.
+//! `hil pulse`: one wire is heated once, or one motor shakes once, by the way of every run.
 
 use std::io::{self, BufRead, IsTerminal, Write};
 
@@ -81,7 +81,7 @@ fn hear(plan: &PulsePlan) -> Result<(), Failure> {
     match silent {
         false => Ok(()),
         true => Err(Failure::Device(format!(
-            "no sensor frame came from the skin of {}: nothing was heated, since the guard drives no wire without one. Connect the boards and their supply, or name their layout with --layout; `hil doctor` says what the interfaces receive",
+            "no sensor frame came from the skin of {}: nothing was driven, since the guard drives nothing without one. Connect the boards and their supply, or name their layout with --layout; `hil doctor` says what the interfaces receive",
             plan.place()
         ))),
     }
@@ -133,6 +133,14 @@ impl Sent {
 
 /// Words on the pulse: its length, strength and warmth.
 fn what(plan: &PulsePlan, judged: &Judged, setup: &Setup) -> String {
+    if let (Some(coil), Some(haptics)) = (judged.coil_k, &setup.bench.value.haptics) {
+        return format!(
+            "at {:.0} % of its highest level, {} V; {}",
+            judged.duty * 1e2,
+            haptics.full_v,
+            warm(coil)
+        );
+    }
     let pulses = match plan.pulses {
         1 => "one pulse".to_owned(),
         n => format!("{n} pulses"),
@@ -154,6 +162,11 @@ fn what(plan: &PulsePlan, judged: &Judged, setup: &Setup) -> String {
         judged.predicted.peak_c,
         limits.skin_peak_mc as f64 * 1e-3,
     )
+}
+
+/// Words on the coil of a motor.
+fn warm((rise_k, most_k): (f64, f64)) -> String {
+    format!("its coil {rise_k:.1} K over the air at most, {most_k:.1} K allowed")
 }
 
 /// Word for a bench: hardware where any part of it is, else emulated.
@@ -179,8 +192,13 @@ fn agreed(
     if args.yes {
         return Ok(());
     }
+    let (will, ask, none) = match judged.coil_k {
+        Some(_) => ("shake", "Shake it?", "nothing was shaken"),
+        None => ("be heated", "Heat it?", "nothing was heated"),
+    };
     let question = format!(
-        "wire {} of {} ({}) will be heated for {:.0} ms: {}",
+        "{} {} of {} ({}) will {will} for {:.0} ms: {}",
+        plan.actuator(),
         plan.wire,
         plan.place(),
         kind(setup),
@@ -194,14 +212,14 @@ fn agreed(
     }
     // On standard error: an object or a file of the result has no question in it.
     let question = wrapped(&format!("{question}."), COLUMNS);
-    let asked = write!(io::stderr(), "{question}\nHeat it? [y/N] ");
+    let asked = write!(io::stderr(), "{question}\n{ask} [y/N] ");
     asked.map_err(Failure::written("standard error"))?;
     let mut answer = String::new();
     let read = io::stdin().lock().read_line(&mut answer);
     let yes = matches!(&*answer.trim().to_lowercase(), "y" | "yes");
     match read {
         Ok(_) if yes => Ok(()),
-        _ => Err(Failure::Input("nothing was heated".into())),
+        _ => Err(Failure::Input(none.into())),
     }
 }
 
@@ -232,10 +250,10 @@ fn width_us(judged: &Judged, sent: &Sent) -> f64 {
 /// Sentences of a pulse that is over.
 fn told(plan: &PulsePlan, judged: &Judged, sent: &Sent, outcome: &Outcome) -> Vec<String> {
     let Some(entry) = &sent.entry else {
-        let nothing = format!("wire {} of {}: nothing was sent", plan.wire, plan.place());
+        let (actuator, place) = (plan.actuator(), plan.place());
+        let nothing = format!("{actuator} {} of {place}: nothing was sent", plan.wire);
         return vec![nothing];
     };
-    let (row, share) = nearest(&judged.used);
     let off = sent.off_ms.map_or_else(
         || "when all outputs were off is not confirmed".to_owned(),
         |ms| format!("all outputs confirmed off {ms:.0} ms after its onset"),
@@ -253,20 +271,41 @@ fn told(plan: &PulsePlan, judged: &Judged, sent: &Sent, outcome: &Outcome) -> Ve
         }
         _ => String::new(),
     };
-    let line = format!(
-        "{}: wire {} of {}: sent {:.0} us within {:.1} ms; {off}; heat: {row} {:.1} % of its limit{felt}",
-        outcome.summary.source.words(),
+    let (source, length_ms) = (outcome.summary.source.words(), length_ms(entry));
+    let who = format!(
+        "{source}: {} {} of {}",
+        plan.actuator(),
         plan.wire,
-        plan.place(),
-        width_us(judged, sent),
-        length_ms(entry),
-        share * 1e2,
+        plan.place()
     );
-    vec![line, next(plan)]
+    let line = match judged.coil_k {
+        Some(coil) => {
+            let level = entry.width().duty() * 1e2;
+            format!(
+                "{who}: shaken at {level:.0} % of its highest level for {length_ms:.1} ms; {off}; {}{felt}",
+                warm(coil)
+            )
+        }
+        None => {
+            let (row, share) = nearest(&judged.used);
+            format!(
+                "{who}: sent {:.0} us within {length_ms:.1} ms; {off}; heat: {row} {:.1} % of its limit{felt}",
+                width_us(judged, sent),
+                share * 1e2,
+            )
+        }
+    };
+    vec![line, next(plan, judged)]
 }
 
 /// Advice on the twitch to look for, and on what to check where none is seen.
-fn next(plan: &PulsePlan) -> String {
+fn next(plan: &PulsePlan, judged: &Judged) -> String {
+    if judged.coil_k.is_some() {
+        return format!(
+            "Feel for a buzz of this motor, and of no other. None: check its leads, and that driver {} of the bench is its channel; `hil pulse` of its neighbours shows swapped ones; then `hil doctor`",
+            plan.wire
+        );
+    }
     format!(
         "Look for a twitch of this wire, and of no other; one pulse alone may be too weak to feel. None: check its amplifier, supply and plug, and that output {} of the bench is its channel; `hil pulse` of its neighbours shows swapped ones; then `hil doctor`",
         plan.wire
@@ -275,20 +314,29 @@ fn next(plan: &PulsePlan) -> String {
 
 fn object(plan: &PulsePlan, judged: &Judged, sent: &Sent, outcome: &Outcome, line: &str) -> Value {
     let summary = &outcome.summary;
-    let used: serde_json::Map<String, Value> = judged
-        .used
-        .rows()
-        .into_iter()
-        .filter(|(row, _)| !is_momentary(row))
-        .map(|(row, share)| (row.to_owned(), share.into()))
-        .collect();
-    json!({
+    let mut object = json!({
         "source": summary.source, "verdict": summary.conclusion.verdict, "why": summary.conclusion.why,
-        "bench": summary.bench, "finger": plan.finger, "wire": plan.wire,
-        "sent": sent.entry.is_some(), "stimuli": sent.stimuli, "pulses": plan.pulses,
-        "width_us": width_us(judged, sent), "duty": judged.duty, "length_ms": length_ms(&judged.entry),
-        "energy_mj": judged.energy_mj, "skin_c": judged.predicted.peak_c,
-        "reason": judged.entry.reason.map(Reason::word),
-        "felt_by_table": plan.felt, "off_ms": sent.off_ms, "used": used, "text": line,
-    })
+        "bench": summary.bench, "finger": plan.finger, plan.actuator(): plan.wire,
+        "sent": sent.entry.is_some(), "stimuli": sent.stimuli, "length_ms": length_ms(&judged.entry),
+        "reason": judged.entry.reason.map(Reason::word), "off_ms": sent.off_ms, "text": line,
+    });
+    let own = match judged.coil_k {
+        Some((coil_k, _)) => json!({ "level": judged.duty, "coil_k": coil_k }),
+        None => {
+            let rows = judged.used.rows().into_iter();
+            let rows = rows.filter(|(row, _)| !is_momentary(row));
+            let used: serde_json::Map<String, Value> = rows
+                .map(|(row, share)| (row.to_owned(), share.into()))
+                .collect();
+            json!({
+                "pulses": plan.pulses, "width_us": width_us(judged, sent), "duty": judged.duty,
+                "energy_mj": judged.energy_mj, "skin_c": judged.predicted.peak_c,
+                "felt_by_table": plan.felt, "used": used,
+            })
+        }
+    };
+    if let (Value::Object(all), Value::Object(own)) = (&mut object, own) {
+        all.extend(own);
+    }
+    object
 }

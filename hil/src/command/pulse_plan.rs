@@ -23,6 +23,8 @@ const FELT_DB: f64 = 0.0;
 const NO_REFERENCE: u32 = 100_000;
 /// Ticks of a PWM period.
 const TICKS: f64 = 4096.0;
+/// Length of a motor's burst, long enough for it to be felt by a hand that holds it.
+const BUZZ: Duration = Duration::from_millis(60);
 
 /// One pulse of one wire of a bench.
 pub(super) struct PulsePlan {
@@ -45,6 +47,8 @@ pub(super) struct PulsePlan {
 pub(super) struct Judged {
     /// Entry that the guard passes.
     pub entry: Entry,
+    /// Rise of the coil that it predicts at the end of a motor's burst, and its limit, K; `None` for a wire.
+    pub coil_k: Option<(f64, f64)>,
     /// Nominal width, us.
     pub width_us: f64,
     /// Duty: the share of a period.
@@ -91,12 +95,17 @@ impl PulsePlan {
             let of = plan.finger.as_ref();
             let of = of.map_or_else(String::new, |name| format!(", display `{name}`"));
             Failure::Input(format!(
-                "WIRE: expected a wire of bench `{}`{of}, 0 to {}, found {}",
+                "WIRE: expected a {} of bench `{}`{of}, 0 to {}, found {}",
+                plan.actuator(),
                 plan.bench.value.name,
                 wires.len().saturating_sub(1),
                 args.wire
             ))
         })?;
+        if plan.bench.value.haptics.is_some() {
+            plan.length = BUZZ;
+            return Ok(plan);
+        }
         let (projector, felt) = plan.table()?;
         plan.felt = felt;
         plan.width = match felt {
@@ -128,6 +137,14 @@ impl PulsePlan {
                 Ok((made(Part::Silence)?, false))
             }
             Err(failure) => Err(failure),
+        }
+    }
+
+    /// Word for an actuator of the bench.
+    pub const fn actuator(&self) -> &'static str {
+        match self.bench.value.haptics {
+            Some(_) => "motor",
+            None => "wire",
         }
     }
 
@@ -186,6 +203,10 @@ impl PulsePlan {
         let illusion = match part {
             Part::Silence => "model = \"nearest\"".to_owned(),
             Part::Table => format!("model = \"inverse\"\nlevel_db = {FELT_DB:?}"),
+            // A contact is a motor's highest level.
+            Part::Pulse if self.bench.value.haptics.is_some() => {
+                format!("model = \"nearest\"\ntau_d_ms = {:?}", tau_s * 1e3)
+            }
             Part::Pulse => format!(
                 "model = \"nearest\"\nbeta = {:?}\ntau_d_ms = {:?}",
                 f64::from(self.width.get()) / TICKS,
@@ -231,7 +252,12 @@ impl PulsePlan {
         let projector = build(&own, 1, Levels::Off)?;
         let mut guard = projector.guard().clone();
         let board = projector.display().wires()[usize::from(self.wire)].board;
-        let at = Instant::ZERO;
+        // The guard of motors counts them as spent until it has seen them at rest for a while.
+        let motors = guard.motors().copied();
+        let at = match motors {
+            Some(_) => Instant::from_micros((BEFORE_S * 1e6) as u64),
+            None => Instant::ZERO,
+        };
         let stimulus = Stimulus {
             wire: self.wire,
             width: projector.width(1.0),
@@ -240,10 +266,16 @@ impl PulsePlan {
             until: at + projector.timing().duration,
         };
         let mut passed = None;
-        guard.admit(at, board, &[stimulus], |entry| passed = Some(entry));
+        let ledger = |entry| passed = Some(entry);
+        if motors.is_some() {
+            guard.admit_vibration(at, board, &[stimulus], ledger);
+        } else {
+            guard.admit(at, board, &[stimulus], ledger);
+        }
         let nothing = |why: &str| {
             Failure::Guard(format!(
-                "the guard passes no pulse on wire {} of {}: {why}. Let the wearer rest, then type this again",
+                "the guard passes no pulse on {} {} of {}: {why}. Let the wearer rest, then type this again",
+                self.actuator(),
                 self.wire,
                 self.place()
             ))
@@ -259,6 +291,7 @@ impl PulsePlan {
             energy_mj: guard.energy_nj(entry.width(), entry.until.since(at)) as f64 * 1e-6,
             predicted: *guard.predicted(),
             used: guard.used(entry.until),
+            coil_k: motors.map(|motors| (guard.coil_rise_k(entry.until), motors.rise_k)),
             entry,
         })
     }

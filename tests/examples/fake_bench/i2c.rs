@@ -140,7 +140,7 @@ fn exchange(
     let bytes = message.bytes();
     let there = state.chips.iter_mut().enumerate();
     let there = there.filter(|(n, chip)| absent >> n & 1 == 0 && chip.address != 0);
-    let mut is_heard = false;
+    let mut is_heard = state.switch.exchange(address, reads, bytes);
     for (_, chip) in there {
         if (address, &*bytes) == (regs::SOFTWARE_RESET.0, &[regs::SOFTWARE_RESET.1]) {
             *chip = Chip::new(chip.address);

@@ -4,6 +4,7 @@ use palpate_core::codec::pca9685 as regs;
 use palpate_core::codec::pca9685::mode1;
 
 use super::CHIPS;
+use super::switch::{SWITCH_WORDS, Switch};
 
 /// Channels of a chip.
 pub const CHANNELS: usize = regs::CHANNELS as usize;
@@ -15,10 +16,14 @@ pub type Widths = [u16; CHANNELS];
 const REGISTERS: usize = regs::LED15_OFF_H as usize + 1;
 /// Eight bytes at a time, a chip with its address, pointer and PRE_SCALE.
 const CHIP_WORDS: usize = (REGISTERS + 3).div_ceil(8);
-/// A state in words: the count of changes, the time of the last one, the chips.
-pub const WORDS: usize = 2 + CHIPS * CHIP_WORDS;
-/// Widths of all chips' pulses in words.
-pub const WIDTH_WORDS: usize = CHIPS * CHANNELS / 4;
+/// The chips in words, after the count of changes and the time of the last one.
+const CHIP_END: usize = 2 + CHIPS * CHIP_WORDS;
+/// A state in words: the count of changes, the time of the last one, the chips, the switch.
+pub const WORDS: usize = CHIP_END + SWITCH_WORDS;
+/// Rows of what an adapter drives: the widths of each chip's pulses, and last the levels of motors.
+pub const ROWS: usize = CHIPS + 1;
+/// All rows in words.
+pub const WIDTH_WORDS: usize = ROWS * CHANNELS / 4;
 
 /// A chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,6 +149,8 @@ pub struct State {
     pub at_ns: u64,
     /// The chips.
     pub chips: [Chip; CHIPS],
+    /// The switch before drivers of motors, if there is one.
+    pub switch: Switch,
 }
 
 impl State {
@@ -154,15 +161,19 @@ impl State {
             changes: 0,
             at_ns: 0,
             chips: std::array::from_fn(|n| Chip::new(address(n))),
+            switch: Switch::NONE,
         }
     }
 
-    /// The widths of the pulses that the chips drive.
-    pub fn widths(&self) -> [Widths; CHIPS] {
-        self.chips.map(|chip| chip.widths())
+    /// The widths of the pulses that the chips drive, and last the levels of motors.
+    pub fn widths(&self) -> [Widths; ROWS] {
+        std::array::from_fn(|row| {
+            let chip = self.chips.get(row);
+            chip.map_or_else(|| self.switch.levels(), Chip::widths)
+        })
     }
 
-    /// Whether any channel makes pulses.
+    /// Whether any channel makes pulses, or any motor is driven.
     pub fn is_on(&self) -> bool {
         self.widths().as_flattened().iter().any(|width| *width != 0)
     }
@@ -174,7 +185,7 @@ impl State {
         for (chip, place) in self
             .chips
             .iter()
-            .zip(words[2..].chunks_exact_mut(CHIP_WORDS))
+            .zip(words[2..CHIP_END].chunks_exact_mut(CHIP_WORDS))
         {
             let mut bytes = [0; CHIP_WORDS * 8];
             bytes[..3].copy_from_slice(&[chip.address, chip.pointer, chip.prescale]);
@@ -183,6 +194,7 @@ impl State {
                 *word = u64::from_ne_bytes(*bytes);
             }
         }
+        words[CHIP_END..].copy_from_slice(&self.switch.words());
         words
     }
 
@@ -193,7 +205,7 @@ impl State {
         for (chip, place) in state
             .chips
             .iter_mut()
-            .zip(words[2..].chunks_exact(CHIP_WORDS))
+            .zip(words[2..CHIP_END].chunks_exact(CHIP_WORDS))
         {
             let mut bytes = [0; CHIP_WORDS * 8];
             for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(place) {
@@ -202,12 +214,13 @@ impl State {
             [chip.address, chip.pointer, chip.prescale] = [bytes[0], bytes[1], bytes[2]];
             chip.registers.copy_from_slice(&bytes[3..3 + REGISTERS]);
         }
+        state.switch = Switch::of_words(&words[CHIP_END..]);
         state
     }
 }
 
 /// Widths of pulses, in words.
-pub fn packed(widths: &[Widths; CHIPS]) -> [u64; WIDTH_WORDS] {
+pub fn packed(widths: &[Widths; ROWS]) -> [u64; WIDTH_WORDS] {
     let widths = widths.as_flattened().as_chunks::<4>().0;
     std::array::from_fn(|n| {
         widths[n]
@@ -218,7 +231,7 @@ pub fn packed(widths: &[Widths; CHIPS]) -> [u64; WIDTH_WORDS] {
 }
 
 /// The widths that [`packed`] made words of.
-pub fn unpacked(words: &[u64; WIDTH_WORDS]) -> [Widths; CHIPS] {
+pub fn unpacked(words: &[u64; WIDTH_WORDS]) -> [Widths; ROWS] {
     std::array::from_fn(|chip| {
         std::array::from_fn(|channel| {
             let place = chip * CHANNELS + channel;

@@ -3,8 +3,8 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use super::CHIPS;
-use super::chip::{State, WIDTH_WORDS, WORDS, Widths, packed, unpacked};
+use super::Switch;
+use super::chip::{ROWS, State, WIDTH_WORDS, WORDS, Widths, packed, unpacked};
 
 /// States beside each other: one is the chips', others are being made.
 const SLOTS: usize = 64;
@@ -51,8 +51,8 @@ impl Mode {
 pub struct Change {
     /// CLOCK_MONOTONIC_RAW, nanoseconds.
     pub at_ns: u64,
-    /// Widths of pulses from then on, chip by chip, ticks; zero for a channel that is off.
-    pub widths: [Widths; CHIPS],
+    /// Widths of pulses from then on, chip by chip, ticks, and last the levels of motors; zero for a channel that is off.
+    pub widths: [Widths; ROWS],
 }
 
 /// An adapter: what it does, its chips, and the record of what was on.
@@ -81,6 +81,14 @@ impl AdapterPage {
     /// Puts chips on a page that nobody uses yet.
     pub fn put(&self, addresses: &[u8]) {
         self.store(0, &State::new(addresses));
+        self.current.store(0, Ordering::Release);
+    }
+
+    /// Puts a switch with drivers of motors on a page that nobody uses yet, in place of chips.
+    pub fn put_motors(&self, switch: Switch) {
+        let mut state = State::new(&[]);
+        state.switch = switch;
+        self.store(0, &state);
         self.current.store(0, Ordering::Release);
     }
 

@@ -8,53 +8,18 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use arrayvec::ArrayVec;
-use palpate_core::driver::{Actuators, DriverError, Pca9685Bank, Seen};
-use palpate_core::units::{Milliamps, Prescale};
 
 use super::WatchedBus;
-use crate::i2c::{Adapter, Direct, FaultKind, REST};
+use super::outputs::{Outputs, Report, Why};
+use crate::i2c::{Adapter, REST};
 use crate::sys;
 
-/// Most boards of a bus.
-const BOARDS: usize = 16;
 /// Stack of a thread that makes transfers, bytes.
 const STACK: usize = 256 * 1024;
 /// Bytes of the stack that are touched beforehand, so that no page is missing when it counts.
 const TOUCHED: usize = 64 * 1024;
 /// Priority above the guardian's own: its orders are carried out before its next decision.
 const PRIORITY: u8 = 61;
-
-/// Reasons why the state of a bus is unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(super) enum Why {
-    /// A transfer failed.
-    #[error("address {0:#04x}: {words}", words = .1.words(*.0))]
-    Bus(u8, FaultKind),
-    /// A board reads back as on.
-    #[error("address {0:#04x}: reads back as on")]
-    On(u8),
-    /// The driver found another error.
-    #[error(transparent)]
-    Driver(DriverError),
-    /// The program failed.
-    #[error("switching off has failed within the program")]
-    Failed,
-    /// No answer has come yet.
-    #[error("the adapter has not answered yet")]
-    Waits,
-}
-
-/// A board's address, and its registers as they were found.
-pub(super) type Looked = (u8, Result<Seen, Why>);
-
-/// Result of an order.
-#[derive(Clone, Debug)]
-pub(super) struct Report {
-    /// `Ok` where everything is known to be off, else the reason. After a look alone, `Ok` where all boards answered.
-    pub(super) off: Result<(), Why>,
-    /// The boards, as they were read.
-    pub(super) found: ArrayVec<Looked, BOARDS>,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
@@ -98,17 +63,12 @@ impl Hand {
     /// Puts an adapter on a thread. Nothing is sent.
     ///
     /// # Errors
-    /// Error of the system where it gives no thread.
+    /// Error of the system where it gives no thread, and places at which no drivers of motors can be.
     pub(super) fn new(bus: WatchedBus, adapter: Box<dyn Adapter>) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
-        // Switching off and reading back need neither PRE_SCALE nor full scale.
-        let bank = Pca9685Bank::new(Direct::new(adapter), &bus.boards, Prescale::MIN);
-        let bank = bank.with_converters(&bus.converters, Milliamps(0));
-        let addresses = bus.boards.iter().copied().take(BOARDS).collect();
         let worker = Worker {
             shared: Arc::clone(&shared),
-            bank,
-            addresses,
+            outputs: Outputs::new(&bus, adapter)?,
         };
         let thread = Builder::new().name("off".into()).stack_size(STACK);
         thread.spawn(move || worker.work())?;
@@ -164,8 +124,7 @@ impl Drop for Hand {
 /// State of an adapter's thread.
 struct Worker {
     shared: Arc<Shared>,
-    bank: Pca9685Bank<Direct<Box<dyn Adapter>>>,
-    addresses: ArrayVec<u8, BOARDS>,
+    outputs: Outputs,
 }
 
 impl Worker {
@@ -174,8 +133,8 @@ impl Worker {
         let _ = sys::set_fifo_priority(PRIORITY);
         while let Some(order) = self.wait() {
             let done = catch_unwind(AssertUnwindSafe(|| match order {
-                Order::Look => self.look(false),
-                Order::Off => self.off(),
+                Order::Look => self.outputs.look(false),
+                Order::Off => self.outputs.off(),
             }));
             let report = done.unwrap_or_else(|_| Report {
                 off: Err(Why::Failed),
@@ -206,54 +165,7 @@ impl Worker {
             }
             drop(state);
             // A node that is held on to never comes back after it was unplugged.
-            self.bank.bus_mut().rest();
-        }
-    }
-
-    /// Switches everything off, sets every current that can be set to zero, and reads back.
-    fn off(&mut self) -> Report {
-        let off = self.bank.all_off();
-        // A board that does not answer keeps no other one unread.
-        let mut report = self.look(true);
-        let zero = self
-            .bank
-            .numbers()
-            .map(|board| self.bank.confirm_zero(board));
-        let zero = zero.fold(Ok(()), Result::and);
-        let said = off.and(zero).map_err(|error| self.why(error));
-        report.off = said.and(report.off);
-        if report.off.is_ok() {
-            for board in self.bank.numbers() {
-                // Old pulses only tell which outputs were on. The board is off.
-                let _ = self.bank.forget_pulses(board);
-            }
-        }
-        report
-    }
-
-    /// Reads every board; with `off`, a board that makes a pulse is wrong.
-    fn look(&mut self, off: bool) -> Report {
-        let mut report = Report {
-            off: Ok(()),
-            found: ArrayVec::new(),
-        };
-        for (board, &address) in self.bank.numbers().zip(&self.addresses) {
-            let seen = self.bank.look(board).map_err(|error| self.why(error));
-            let known = match &seen {
-                Ok(seen) if off && seen.loaded != 0 => Err(Why::On(address)),
-                Ok(_) => Ok(()),
-                Err(why) => Err(*why),
-            };
-            report.off = report.off.and(known);
-            report.found.push((address, seen));
-        }
-        report
-    }
-
-    fn why(&self, error: DriverError) -> Why {
-        match (error, self.bank.bus().last_fault()) {
-            (DriverError::Bus(..), Some((address, kind))) => Why::Bus(address, kind),
-            _ => Why::Driver(error),
+            self.outputs.rest();
         }
     }
 }

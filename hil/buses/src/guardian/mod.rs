@@ -12,6 +12,7 @@ mod client;
 mod decide;
 mod hand;
 mod latch;
+mod outputs;
 mod scribe;
 mod server;
 mod sweep;
@@ -19,12 +20,16 @@ mod sweep;
 pub use client::{Guardian, Lost, StartError};
 pub use latch::{Armed, Latch, Latched, stops_folder};
 pub(crate) use latch::{folder as state_folder, remedy};
+pub use outputs::Channels;
+pub(crate) use outputs::haptics;
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
 
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
+
+use palpate_core::codec::drv2605;
 
 /// An I2C adapter with its boards.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,22 +40,33 @@ pub struct WatchedBus {
     pub boards: Vec<u8>,
     /// Addresses of the converters, board by board; empty where amplifiers have a current of their own.
     pub converters: Vec<u8>,
+    /// Drivers of motors in place of boards: the switch before each, and its channel; `None` for one alone on the bus.
+    pub motors: Vec<Option<(u8, u8)>>,
 }
 
 impl WatchedBus {
     /// Every address that is written to.
     pub fn addresses(&self) -> Vec<u8> {
-        [&*self.boards, &*self.converters].concat()
+        let switches = self.motors.iter().map(|behind| Some(behind.as_ref()?.0));
+        let drivers = self.motors.first().map(|_| drv2605::ADDRESS);
+        let mut motors: Vec<u8> = switches.flatten().chain(drivers).collect();
+        motors.dedup();
+        [&*self.boards, &*self.converters, &motors].concat()
     }
 }
 
-/// `PATH=40,41` or, with converters, `PATH=40,41+48,49`.
+/// `PATH=40,41` or, with converters, `PATH=40,41+48,49`; with motors `PATH=70.0,70.1`, and `PATH=5a.0` for one alone.
 impl fmt::Display for WatchedBus {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |addresses: &[u8]| -> Vec<String> {
             addresses.iter().map(|a| format!("{a:02x}")).collect()
         };
-        let boards = list(&self.boards).join(",");
+        let motors = self.motors.iter().map(|behind| {
+            let (address, channel) = behind.unwrap_or((drv2605::ADDRESS, 0));
+            format!("{address:02x}.{channel}")
+        });
+        let boards = list(&self.boards).into_iter().chain(motors);
+        let boards = boards.collect::<Vec<_>>().join(",");
         write!(out, "{}={boards}", self.path.display())?;
         match &*self.converters {
             [] => Ok(()),
@@ -86,7 +102,7 @@ impl Watch {
     }
 }
 
-/// Reads `PATH=40,41+48,49` of [`Watch::arguments`].
+/// Reads `PATH=40,41+48,49` or `PATH=70.0,70.1` of [`Watch::arguments`].
 ///
 /// # Errors
 /// Words of the expected text.
@@ -97,6 +113,20 @@ pub fn parse_bus(text: &str) -> Result<WatchedBus, String> {
         addresses.collect::<Result<_, _>>().map_err(|_| expected())
     };
     let (path, chips) = text.rsplit_once('=').ok_or_else(expected)?;
+    let motor = |text: &str| {
+        let (address, channel) = text.split_once('.')?;
+        let place = (u8::from_str_radix(address, 16).ok()?, channel.parse().ok()?);
+        Some((place.0 != drv2605::ADDRESS).then_some(place))
+    };
+    if chips.contains('.') {
+        let motors = chips.split(',').map(motor).collect::<Option<_>>();
+        return Ok(WatchedBus {
+            path: path.into(),
+            boards: Vec::new(),
+            converters: Vec::new(),
+            motors: motors.ok_or_else(expected)?,
+        });
+    }
     let (boards, converters) = match chips.split_once('+') {
         Some((boards, converters)) => (boards, list(converters)?),
         None => (chips, Vec::new()),
@@ -105,6 +135,7 @@ pub fn parse_bus(text: &str) -> Result<WatchedBus, String> {
         path: path.into(),
         boards: list(boards)?,
         converters,
+        motors: Vec::new(),
     })
 }
 

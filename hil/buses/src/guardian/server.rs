@@ -20,7 +20,8 @@ use palpate_core::units::{Duration, Instant};
 use signal_hook::consts::SIGTERM;
 
 use super::decide::{Answer, BUSES, Cause, Decider, Event, News, Now, Post, Text};
-use super::hand::{Hand, Why};
+use super::hand::Hand;
+use super::outputs::Why;
 use super::scribe::{Latcher, Teller};
 use super::{Armed, Latch, PACKET, Sweeper, Watch, WatchedBus, word};
 use crate::hardware::Hardware;

@@ -4,10 +4,11 @@ use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use palpate_core::driver::Seen;
+use palpate_core::codec::drv2605;
 
 use super::WatchedBus;
-use super::hand::{Hand, Report, Why};
+use super::hand::Hand;
+use super::outputs::{Channels, Report, Why};
 use crate::i2c::{Adapter, AdapterError, LinuxAdapter};
 use crate::pacer::RunClock;
 
@@ -19,21 +20,17 @@ const PAUSE: palpate_core::units::Duration = palpate_core::units::Duration::from
 pub struct BoardFound {
     /// The adapter's node.
     pub bus: PathBuf,
-    /// The board's address.
+    /// The address of the board, or of the switch before drivers of motors.
     pub address: u8,
-    /// Registers of the board, or the reason why they could not be read.
-    pub seen: Result<Seen, String>,
+    /// Channels of the board, or the reason why they could not be read.
+    pub seen: Result<Channels, String>,
 }
 
 impl BoardFound {
-    /// Channels that drove an output when it was read, or until it was switched off whole just before.
-    fn channels(&self) -> u16 {
-        (self.seen.as_ref()).map_or(0, |seen| seen.driving() | seen.drove())
-    }
-
-    /// Tells whether the board drove an output.
+    /// Tells whether the board drove an output when it was read, or until it was switched off just before.
     pub fn was_driving(&self) -> bool {
-        self.channels() != 0
+        let seen = self.seen.as_ref();
+        seen.is_ok_and(|seen| seen.driving | seen.drove != 0)
     }
 }
 
@@ -48,11 +45,14 @@ impl fmt::Display for BoardFound {
             let on = (0..16).filter(|n| bits >> n & 1 == 1);
             on.map(|n| n.to_string()).collect::<Vec<_>>().join(",")
         };
-        let loaded = seen.loaded | seen.stopped;
         if self.was_driving() {
-            write!(out, "was driving channels {}", list(self.channels()))
-        } else if loaded != 0 {
-            write!(out, "was asleep with channels {} loaded", list(loaded))
+            write!(
+                out,
+                "was driving channels {}",
+                list(seen.driving | seen.drove)
+            )
+        } else if seen.loaded != 0 {
+            write!(out, "was asleep with channels {} loaded", list(seen.loaded))
         } else {
             out.write_str("was off")
         }
@@ -161,7 +161,7 @@ fn reports(hands: &[Hand], patience: Duration) -> Vec<Option<Report>> {
 /// The boards of all adapters; those of one that has not answered are not known.
 pub(super) fn found(hands: &[Hand], reports: &[Option<Report>]) -> Vec<BoardFound> {
     let of = |(hand, report): (&Hand, &Option<Report>)| -> Vec<BoardFound> {
-        let board = |address: u8, seen: Result<Seen, String>| BoardFound {
+        let board = |address: u8, seen: Result<Channels, String>| BoardFound {
             bus: hand.bus().path.clone(),
             address,
             seen,
@@ -175,9 +175,14 @@ pub(super) fn found(hands: &[Hand], reports: &[Option<Report>]) -> Vec<BoardFoun
                     .collect()
             }
             None => {
-                let boards = hand.bus().boards.iter();
+                let motors = hand.bus().motors.iter();
+                let switches = motors.map(|behind| behind.map_or(drv2605::ADDRESS, |own| own.0));
+                let mut boards = hand.bus().boards.clone();
+                boards.extend(switches);
+                boards.dedup();
+                let boards = boards.into_iter();
                 boards
-                    .map(|address| board(*address, Err(Why::Waits.to_string())))
+                    .map(|address| board(address, Err(Why::Waits.to_string())))
                     .collect()
             }
         }

@@ -8,7 +8,14 @@ use palpate_emulators::display::dac7578::Dac7578;
 use palpate_emulators::display::i2c::{BusClock, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Pca9685};
 
-use super::{Sweeper, Watch, WatchedBus, parse_bus, parse_line};
+use palpate_emulators::haptic::Motor;
+use palpate_emulators::haptic::drv2605::Drv2605;
+use palpate_emulators::haptic::drv2605::registers::{self as regs, mode};
+use palpate_emulators::haptic::lra::{Lra, LraParameters};
+use palpate_emulators::haptic::tca9548a::Tca9548a;
+use palpate_emulators::time::Nanos;
+
+use super::{BoardFound, Sweeper, Watch, WatchedBus, parse_bus, parse_line};
 use crate::i2c::{Adapter, FaultKind};
 
 /// How long a sweep of emulated chips may take.
@@ -77,6 +84,7 @@ fn watched(path: &str, boards: &[u8], converters: &[u8]) -> WatchedBus {
         path: path.into(),
         boards: boards.to_vec(),
         converters: converters.to_vec(),
+        motors: Vec::new(),
     }
 }
 
@@ -124,7 +132,7 @@ fn a_board_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
     );
     assert!(found[0].was_driving() && found[1].seen.is_err());
     let after = sweeper.look(PATIENCE);
-    assert!(after[0].seen.as_ref().unwrap().driving() == 0);
+    assert!(after[0].seen.as_ref().unwrap().driving == 0);
 }
 
 #[test]
@@ -172,7 +180,7 @@ fn a_converter_that_does_not_answer_is_not_known_to_be_at_zero_and_keeps_no_boar
     let (_, wrong) = sweeper.off(PATIENCE);
     assert!(wrong[0].contains("0x49"), "{wrong:?}");
     let after = sweeper.look(PATIENCE);
-    assert!(after[0].seen.as_ref().unwrap().driving() == 0);
+    assert!(after[0].seen.as_ref().unwrap().driving == 0);
 }
 
 #[test]
@@ -205,5 +213,101 @@ fn a_watch_survives_its_command_line() {
         "/dev/i2c-1=40+",
     ] {
         assert!(parse_bus(bad).is_err(), "{bad}");
+    }
+}
+
+/// A bus with a switch at 0x70 before these drivers of motors, of which the second was left at a level and the last in a
+/// calibration.
+fn motors(channels: &[usize]) -> ((WatchedBus, Box<dyn Adapter>), Line) {
+    let lra = || Drv2605::new(Motor::Lra(Lra::new(LraParameters::COIN_10MM)));
+    let switch = channels
+        .iter()
+        .fold(Tca9548a::new(0x70), |switch, own| switch.with(*own, lra()));
+    let segment = I2cSegment::new(BusClock::Fast, Vec::new());
+    let mut segment = segment.with_haptics(vec![switch], Vec::new());
+    segment.advance(Nanos::from_micros(1000), &mut |_, _| ());
+    let mut write = |address, bytes: &[u8]| {
+        let sent = segment.transaction(address, &mut [Operation::Write(bytes)]);
+        sent.unwrap();
+    };
+    for (channel, registers) in [
+        (
+            channels[1],
+            [[regs::MODE, mode::REAL_TIME], [regs::RTP_INPUT, 90]],
+        ),
+        (
+            channels[channels.len() - 1],
+            [[regs::MODE, mode::CALIBRATE], [regs::GO, 1]],
+        ),
+    ] {
+        write(0x70, &[1 << channel]);
+        registers
+            .iter()
+            .for_each(|bytes| write(regs::ADDRESS, bytes));
+    }
+    let line = Line::default();
+    let watched = WatchedBus {
+        path: "/dev/emulated".into(),
+        boards: Vec::new(),
+        converters: Vec::new(),
+        motors: channels
+            .iter()
+            .map(|own| Some((0x70, *own as u8)))
+            .collect(),
+    };
+    let adapter = Emulated {
+        segment,
+        line: Arc::clone(&line),
+    };
+    ((watched, Box::new(adapter)), line)
+}
+
+#[test]
+fn motors_left_driving_are_found_by_their_switch_and_brought_to_rest() {
+    let mut sweeper = over(vec![motors(&[0, 2, 3, 7]).0]);
+    let said = |found: &[BoardFound]| found.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let driving = ["/dev/emulated 0x70: was driving channels 2,7"];
+    assert_eq!(said(&sweeper.look(PATIENCE)), driving);
+    let (found, wrong) = sweeper.off(PATIENCE);
+    assert_eq!((said(&found), wrong), (said(&found), vec![]));
+    assert_eq!(said(&found), driving);
+    assert_eq!(
+        said(&sweeper.look(PATIENCE)),
+        ["/dev/emulated 0x70: was off"]
+    );
+}
+
+#[test]
+fn a_driver_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
+    let ((mut watched, adapter), line) = motors(&[0, 2, 7]);
+    watched.motors.insert(0, Some((0x70, 5)));
+    let mut sweeper = over(vec![(watched, adapter)]);
+    let (_, wrong) = sweeper.off(PATIENCE);
+    assert!(
+        wrong[0].contains("actuator 0: I2C") && wrong[0].contains("no chip"),
+        "{wrong:?}"
+    );
+    let (mut open, mut at_rest) = (0, 0);
+    for (address, write) in &*line.lock().unwrap() {
+        match (*address, &**write) {
+            (0x70, [control]) => open = *control,
+            (regs::ADDRESS, [regs::RTP_INPUT, 0]) => at_rest |= open,
+            _ => {}
+        }
+    }
+    assert_eq!(at_rest & 0b1000_0101, 0b1000_0101, "{at_rest:#b}");
+}
+
+#[test]
+fn places_of_motors_go_through_a_command_line() {
+    for text in ["/dev/i2c-1=70.0,70.7,71.3", "/dev/i2c-1=5a.0"] {
+        assert_eq!(parse_bus(text).unwrap().to_string(), text);
+    }
+    assert_eq!(parse_bus("/dev/i2c-1=5a.0").unwrap().motors, [None]);
+    for bad in ["/dev/i2c-1=70.x", "/dev/i2c-1=70.0,71", "/dev/i2c-1=.0"] {
+        assert!(
+            parse_bus(bad).unwrap_err().contains("expected PATH="),
+            "{bad}"
+        );
     }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use palpate_core::codec::tca9548a::{ADDRESSES, CHANNELS};
 use serde::Deserialize;
 
-use super::{Bench, BenchAudio};
+use super::{Bench, BenchAudio, Real, STATED};
 use crate::bench::BenchKind;
 use crate::error::FileError;
 use crate::settings::{bounds, settings};
@@ -49,8 +49,8 @@ pub struct HapticDriver {
 }
 
 settings! {
-    /// Equal vibration motors, each behind a DRV2605L or on a channel of a sound card, in place of wires. Emulated benches of one display. Left out: the
-    /// display has wires.
+    /// Equal vibration motors, each behind a DRV2605L or on a channel of a sound card, in place of wires. Benches of one display.
+    /// A real bench states its motors. Left out: the display has wires.
     pub struct BenchHaptics {
         /// Kind of the motors.
         pub kind: MotorKind = MotorKind::Lra,
@@ -100,6 +100,19 @@ settings! {
     /// Coins of 8 mm: every figure is assumed, of the size that data sheets of such coins state.
     default
 }
+
+/// Keys that a real bench of motors must state: assumed values would make the guard's model of them wrong.
+const MOTORS: [&str; 9] = [
+    "haptics.kind",
+    "haptics.rated_v",
+    "haptics.full_v",
+    "haptics.overdrive_v",
+    "haptics.resonance_hz",
+    "haptics.ohm",
+    "haptics.travel_um",
+    "haptics.calibration",
+    "haptics.drivers",
+];
 
 /// Most motors of one finger.
 const MOST: usize = 16;
@@ -157,6 +170,28 @@ impl BenchHaptics {
         self.audio
             .get_or_insert_default()
             .check(source, actuators, full_v)
+    }
+
+    /// Checks that motors on hardware are what this program can drive there, and that the file states what the guard counts by.
+    fn check_hardware(&self, source: &Source, real: Option<&Real>) -> Result<(), FileError> {
+        if self.kind == MotorKind::VoiceCoil {
+            let expected = "\"lra\" or \"erm\" on a real bench: this program opens no sound card, and `--wav -` of an emulated bench feeds one";
+            return Err(source.bad_found("haptics.kind", expected, "\"voice-coil\""));
+        }
+        if let Some(key) = MOTORS.into_iter().find(|key| !source.states(key)) {
+            return Err(source.bad(key, STATED));
+        }
+        let real = real.map_or((0, false), |real| (real.i2c.len(), real.oe.is_some()));
+        match real {
+            (.., true) => Err(source.bad(
+                "real.oe",
+                "nothing with [haptics]: drivers of motors have no line in common",
+            )),
+            (1, _) => Ok(()),
+            (count, _) => {
+                Err(source.bad_found("real.i2c", "one adapter with [haptics]", count.to_string()))
+            }
+        }
     }
 
     /// Place of motor `index` if the file states none: eight behind each switch.
@@ -219,13 +254,12 @@ impl Bench {
         let Some(haptics) = &mut self.haptics else {
             return Ok(());
         };
-        if let Some(key) = of_wires {
+        if let Some(key) = of_wires.or_else(|| source.states("outputs").then_some("outputs")) {
             let expected = "nothing beside [haptics]: a finger has actuators of one kind, and this is of wires";
             return Err(source.bad(key, expected));
         }
         if self.kind == BenchKind::Real {
-            let expected = "\"emulated\" with [haptics]: this program drives no motors on hardware";
-            return Err(source.bad_found("kind", expected, "\"real\""));
+            haptics.check_hardware(source, self.real.as_ref())?;
         }
         haptics.check_plants(source, actuators)?;
         if haptics.drivers.is_empty() {

@@ -431,3 +431,67 @@ fn files_that_do_not_fit_together() {
         "b.toml:16: outputs: expected 3 outputs, one per wire of `three-in-line`, found 8"
     );
 }
+
+/// A real bench of motors that states all it has to.
+const COINS: &str = "name = \"coins\"\ndescription = \"Eight coins\"\nkind = \"real\"\ndisplay = \"thimble-8\"\n\
+    [real]\ncan = [\"can0\"]\ni2c = [\"/dev/i2c-1\"]\n\
+    [haptics]\nkind = \"lra\"\nrated_v = 1.8\nfull_v = 0.3\noverdrive_v = 2.7\nresonance_hz = 235.0\nohm = 25.0\ntravel_um = 300.0\n\
+    calibration = [232, 166, 3]\n\
+    drivers = [{ switch = 0x70 }, { switch = 0x70, channel = 1 }, { switch = 0x70, channel = 2 }, { switch = 0x70, channel = 3 }, { switch = 0x70, channel = 4 }, { switch = 0x70, channel = 5 }, { switch = 0x70, channel = 6 }, { switch = 0x70, channel = 7 }]\n";
+
+#[test]
+fn a_real_bench_of_motors_states_them_and_nothing_else() {
+    let read = |text: &str| Bench::read(&Source::new("b.toml", text));
+    assert!(read(COINS).is_ok(), "{:?}", read(COINS));
+    for line in COINS.lines().filter(|line| {
+        [
+            "display",
+            "kind = \"lra\"",
+            "rated_v",
+            "full_v",
+            "overdrive_v",
+            "resonance_hz",
+            "ohm",
+        ]
+        .iter()
+        .chain(&["travel_um", "calibration", "drivers"])
+        .any(|key| line.starts_with(key))
+    }) {
+        let error = read(&COINS.replace(line, "")).unwrap_err();
+        let (key, _) = line.split_once(" =").unwrap();
+        let found = error.key.as_deref().unwrap_or_default();
+        assert_eq!(found.rsplit('.').next(), Some(key), "{error}");
+        assert!(error.expected.starts_with("a value"), "{error}");
+    }
+    let card = "kind = \"voice-coil\"";
+    for (from, to, words) in [
+        (
+            "kind = \"lra\"",
+            card,
+            "this program opens no sound card, and `--wav -`",
+        ),
+        (
+            "/dev/i2c-1\"]",
+            "/dev/i2c-1\", \"/dev/i2c-2\"]",
+            "one adapter with [haptics], found 2",
+        ),
+        (
+            "[haptics]",
+            "oe = { chip = \"/dev/gpiochip0\", line = 1 }\n[haptics]",
+            "nothing with [haptics]: drivers",
+        ),
+        (
+            "[haptics]",
+            "[[outputs]]\nboard = 0x40\nchannel = 0\n[haptics]",
+            "nothing beside [haptics]",
+        ),
+        (
+            "[haptics]",
+            "[drive]\ncurrent_ma = 900.0\n[haptics]",
+            "nothing beside [haptics]",
+        ),
+    ] {
+        let said = read(&COINS.replace(from, to)).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
+}

@@ -37,8 +37,15 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
         converters = others;
         WatchedBus {
             path: path.clone(),
-            boards,
+            boards: match &bench.haptics {
+                None => boards,
+                Some(_) => Vec::new(),
+            },
             converters: own.to_vec(),
+            motors: bench
+                .haptics
+                .as_ref()
+                .map_or_else(Vec::new, plan::motors::behind),
         }
     };
     Watch {
@@ -65,6 +72,10 @@ pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
         ("heartbeat_ms", real.heartbeat_ms, 5, "a run that hangs"),
         ("transfer_ms", real.transfer_ms, 1, "a transfer that hangs"),
     ];
+    let (actuator, limit) = match guard.motors() {
+        None => ("wire", "burst.length_ms of the limits"),
+        Some(_) => ("motor", "haptics.burst_ms"),
+    };
     let slow = rows.into_iter().find(|row| u64::from(row.1) > most);
     slow.map_or(Ok(()), |(key, value, least, what)| {
         let expected = match most < least {
@@ -72,7 +83,7 @@ pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
             false => format!("expected at most {most}"),
         };
         Err(Failure::Input(format!(
-            "real.{key}: {expected}, found {value}: {what} as a burst begins leaves the wire on for so many ms, and then for {:.1} ms, a PWM period and the bus; a burst may last {} ms (burst.length_ms of the limits)",
+            "real.{key}: {expected}, found {value}: {what} as a burst begins leaves the {actuator} on for so many ms, and then for {:.1} ms, a PWM period and the bus; a burst may last {} ms ({limit})",
             ms(rest),
             ms(burst)
         )))

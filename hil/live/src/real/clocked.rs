@@ -1,37 +1,63 @@
-//! Boards on adapters of this computer, whose driver knows the time at the end of a transfer.
+//! Outputs on adapters of this computer, whose driver knows the time at the end of a transfer.
 
-use embedded_hal::i2c::I2c;
+use palpate_buses::i2c::SharedLine;
 use palpate_buses::pacer::RunClock;
-use palpate_core::driver::{Actuators, Banks, Driver, DriverError, Traffic};
-use palpate_core::guard::Guarded;
+use palpate_core::driver::{Actuators, Banks, Driver, DriverError, Haptics, Traffic};
+use palpate_core::guard::{Guarded, GuardedVibration};
+use palpate_core::projector::Update;
 use palpate_core::units::{Board, Instant};
 
-/// A driver of boards, with the clock of the run.
-pub struct Clocked<I> {
-    banks: Banks<I>,
+/// A driver of one kind of actuators on buses of this computer.
+pub trait OnLines: Driver<<Self as OnLines>::Update> {
+    /// Kind of update that it takes.
+    type Update: Update;
+
+    /// The bus that carries a board.
+    fn line(&self, board: Board) -> Option<&SharedLine>;
+}
+
+impl OnLines for Banks<SharedLine> {
+    type Update = Guarded;
+
+    fn line(&self, board: Board) -> Option<&SharedLine> {
+        self.bus_of(board)
+    }
+}
+
+impl OnLines for Haptics<SharedLine> {
+    type Update = GuardedVibration;
+
+    fn line(&self, _board: Board) -> Option<&SharedLine> {
+        Some(self.bus())
+    }
+}
+
+/// A driver with the clock of the run.
+pub struct Clocked<D> {
+    driver: D,
     clock: RunClock,
 }
 
-impl<I: I2c> Clocked<I> {
-    pub(super) const fn new(banks: Banks<I>, clock: RunClock) -> Self {
-        Self { banks, clock }
+impl<D: OnLines> Clocked<D> {
+    pub(super) const fn new(driver: D, clock: RunClock) -> Self {
+        Self { driver, clock }
     }
 
     /// The bus that carries a board.
-    pub(super) fn bus_of(&self, board: Board) -> Option<&I> {
-        self.banks.bus_of(board)
+    pub(super) fn line(&self, board: Board) -> Option<&SharedLine> {
+        self.driver.line(board)
     }
 }
 
-impl<I: I2c> Actuators for Clocked<I> {
+impl<D: OnLines> Actuators<D::Update> for Clocked<D> {
     type Error = DriverError;
 
-    fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
-        self.banks.apply(update)
+    fn apply(&mut self, update: &D::Update) -> Result<(), DriverError> {
+        self.driver.apply(update)
     }
 
     fn all_off(&mut self) -> Result<(), DriverError> {
-        self.banks.all_off()
+        self.driver.all_off()
     }
 
     /// Time of the end of a transfer, which another finger's may have held up: later than it was asked for.
@@ -40,24 +66,24 @@ impl<I: I2c> Actuators for Clocked<I> {
     }
 }
 
-impl<I: I2c> Driver for Clocked<I> {
+impl<D: OnLines> Driver<D::Update> for Clocked<D> {
     fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
-        self.banks.start(now)
+        self.driver.start(now)
     }
 
     fn verify(&mut self) -> Result<(), DriverError> {
-        self.banks.verify()
+        self.driver.verify()
     }
 
     fn retries(&self) -> u64 {
-        self.banks.retries()
+        self.driver.retries()
     }
 
     fn traffic(&self) -> Traffic {
-        self.banks.traffic()
+        self.driver.traffic()
     }
 
     fn boards(&self) -> Vec<Board> {
-        self.banks.boards()
+        self.driver.boards()
     }
 }

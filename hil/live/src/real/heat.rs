@@ -96,6 +96,14 @@ impl Heat {
     /// # Errors
     /// [`Failure::Guard`] where heat or dose cannot be read, or the dose is spent, with the command that mends it.
     pub(super) fn open(bench: &Loaded<Bench>, fingertips: &mut [Setup]) -> Result<Self, Failure> {
+        if bench.value.haptics.is_some() {
+            // Motors do not heat tissue, and their guard begins as if an earlier run had spent their coils' heat.
+            return Ok(Self {
+                ledger: Mutex::new(None),
+                keeper: OnceLock::new(),
+                way_out: String::new(),
+            });
+        }
         let mut wearers: Vec<Option<String>> = Vec::new();
         let worn = |setup: &Setup| {
             if setup.memory.is_some() {

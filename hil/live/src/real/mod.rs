@@ -12,7 +12,7 @@ mod run;
 mod warden;
 
 pub use bench::{Interfaces, refuse_latched, refuse_slow, unguarded, watch};
-pub use clocked::Clocked;
+pub use clocked::{Clocked, OnLines};
 pub use ends::lost;
 pub use ends::{RealSkin, Sensed, Watched, beat, begin, leave};
 pub use heat::{Heat, forget};
@@ -46,7 +46,7 @@ use crate::views::Wanted;
 
 use bench::real_of;
 use run::{Run, planned};
-use warden::Wired;
+use warden::{Wired, banks, haptics};
 
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
@@ -173,9 +173,14 @@ fn wired(
     });
     let skins = skins.collect::<Result<Vec<RealSkin>, Failure>>()?;
     // The guardian comes last.
-    let (outputs, found) = Live::open(setup, heat, &fingers, clock)?;
-    let ends = skins.into_iter().zip(outputs).collect();
-    run.until_end(ends, &found, clock, scene_end(setup))
+    let (end, skins) = (scene_end(setup), skins.into_iter());
+    if let Some(motors) = &setup.bench.value.haptics {
+        let make = |_: &Wired<'_>, lines| haptics(motors, lines);
+        let (outputs, found) = Live::open(setup, heat, &fingers, clock, make)?;
+        return run.until_end(skins.zip(outputs).collect(), &found, clock, end);
+    }
+    let (outputs, found) = Live::open(setup, heat, &fingers, clock, banks)?;
+    run.until_end(skins.zip(outputs).collect(), &found, clock, end)
 }
 
 /// Refuses a run that these boards cannot make, before anything is asked of the adapters: that needs no hardware. Returns
@@ -253,6 +258,7 @@ pub fn open_outputs(
     projector: &Projector,
     clock: RunClock,
 ) -> Result<Live, Failure> {
+    plan::wires_only(&setup.bench)?;
     refuse_slow(real_of(setup)?, projector.guard())?;
     let place = &Place::whole(&setup.bench.value);
     let only = Wired {
@@ -260,7 +266,7 @@ pub fn open_outputs(
         setup,
         projector,
     };
-    let (mut ends, _) = Live::open(setup, heat, &[only], clock)?;
+    let (mut ends, _) = Live::open(setup, heat, &[only], clock, banks)?;
     ends.pop()
         .ok_or_else(|| Failure::Input("expected a display that is driven, found none".into()))
 }

@@ -307,7 +307,8 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     let pass = PassEnd::find(projector, done.end, None);
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().tallies();
-    summary.felt.state = Some(pass::state_of(setup));
+    let wires = setup.bench.value.haptics.is_none();
+    summary.felt.state = wires.then(|| pass::state_of(setup));
     summary.unit = session.display().unit();
     summary.heat = session.display().heat();
     summary.can = reports(names.unwrap_or_default(), &tallies);

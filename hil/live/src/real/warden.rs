@@ -1,7 +1,6 @@
 //! The actuators' end of a finger on a real bench, and the parts that all fingers of the bench share while they run:
 //! one guardian, and the line that cuts all outputs.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -9,17 +8,16 @@ use palpate_buses::guardian::{Guardian, Lost};
 use palpate_buses::i2c::SharedLine;
 use palpate_buses::pacer::RunClock;
 use palpate_buses::pulse::{Pulse, Round};
-use palpate_core::driver::{Banks, Driver, DriverError};
-use palpate_core::guard::Guarded;
+use palpate_core::driver::{Banks, Driver, DriverError, HapticFault, Haptics};
 use palpate_core::projector::Projector;
 use palpate_core::units::{Board, Instant};
-use palpate_files::Setup;
+use palpate_files::{Bench, BenchHaptics, Loaded, Real, Setup};
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::place::Place;
 use palpate_run::{Failure, plan};
 
 use super::bench::{guarded, real_of, refuse_latched, watch};
-use super::clocked::Clocked;
+use super::clocked::{Clocked, OnLines};
 use super::ends::{Watched, lost};
 use super::heat::Heat;
 
@@ -177,24 +175,70 @@ pub(super) struct Wired<'a> {
     pub(super) projector: &'a Projector,
 }
 
-/// The actuators' end of a finger on boards of this computer.
-pub struct Live {
-    banks: Clocked<SharedLine>,
+/// A bus of a finger, and the addresses of its boards there.
+type OwnLine = (SharedLine, Vec<u8>);
+
+/// Boards of wires on these buses.
+pub(super) fn banks(finger: &Wired<'_>, lines: Vec<OwnLine>) -> Result<Banks<SharedLine>, Failure> {
+    let (place, bench) = (finger.place, &finger.setup.bench.value);
+    let (lines, boards): (Vec<SharedLine>, Vec<Vec<u8>>) = lines.into_iter().unzip();
+    let lines = lines.into_iter().zip(boards.iter().map(|own| &**own));
+    let banks = Banks::new(lines, finger.projector.guard().prescale());
+    let banks = plan::with_converters(bench, banks);
+    Ok(match place.alone {
+        true => banks,
+        false => banks.sharing(&place.channels),
+    })
+}
+
+/// Drivers of motors on the only bus of a bench.
+///
+/// # Errors
+/// [`Failure::Input`] for motors that no driver can have.
+pub(super) fn haptics(
+    motors: &BenchHaptics,
+    lines: Vec<OwnLine>,
+) -> Result<Haptics<SharedLine>, Failure> {
+    let line = lines.into_iter().next().map(|(line, _)| line);
+    let line = line.ok_or_else(|| Failure::Input("real.i2c: expected an adapter".into()))?;
+    let haptics = Haptics::new(line, &plan::motors::channels(motors));
+    haptics.map_err(|error| Failure::Input(error.to_string()))
+}
+
+/// Command that clears a stop of a bench.
+fn way_out(bench: &Loaded<Bench>, real: &Real) -> String {
+    let place = match bench.value.haptics {
+        // An adapter alone does not say where its motors are.
+        Some(_) => format!(" --bench {}", bench.source.label()),
+        None => {
+            let adapters = real.i2c.iter();
+            let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
+            adapters.collect()
+        }
+    };
+    format!("hil off --unlatch{place}")
+}
+
+/// The actuators' end of a finger on buses of this computer: boards of wires, or drivers of motors.
+pub struct Live<D = Banks<SharedLine>> {
+    driver: Clocked<D>,
     vote: Vote,
-    /// All adapters of the bench, for the way out of a stop.
-    adapters: Vec<PathBuf>,
+    /// Command that clears a stop.
+    way_out: String,
     /// Outputs that the guardian found driving before it switched everything off, where this is the only display.
     found: String,
 }
 
-impl Live {
+impl<D: OnLines> Live<D> {
     /// Opens the adapters of a bench for the loops of its fingers, guardian last: from then on it can switch off. Heat
-    /// is booked with `heat`. Returns an end for each, and the boards that the guardian found driving, a line each.
+    /// is booked with `heat`, and `make` makes the driver of each finger on its buses. Returns an end for each, and the boards
+    /// that the guardian found driving, a line each.
     pub(super) fn open(
         setup: &Setup,
         heat: Heat,
         fingers: &[Wired<'_>],
         clock: RunClock,
+        make: impl Fn(&Wired<'_>, Vec<OwnLine>) -> Result<D, Failure>,
     ) -> Result<(Vec<Self>, String), Failure> {
         let real = real_of(setup)?;
         // Displays that the scene does not drive are the guardian's as well.
@@ -211,7 +255,7 @@ impl Live {
             parting: Mutex::default(),
             heat: Arc::new(heat),
         });
-        let mut shares: Vec<Vec<(SharedLine, Vec<u8>)>> = fingers.iter().map(|_| vec![]).collect();
+        let mut shares: Vec<Vec<OwnLine>> = fingers.iter().map(|_| vec![]).collect();
         for (bus, line) in lines.into_iter().enumerate() {
             let own = fingers
                 .iter()
@@ -227,23 +271,15 @@ impl Live {
         }
         let mut ends = Vec::new();
         for (number, (finger, lines)) in fingers.iter().zip(shares).enumerate() {
-            let (place, bench) = (finger.place, &finger.setup.bench.value);
-            let (lines, boards): (Vec<SharedLine>, Vec<Vec<u8>>) = lines.into_iter().unzip();
-            let lines = lines.into_iter().zip(boards.iter().map(|own| &**own));
-            let banks = Banks::new(lines, finger.projector.guard().prescale());
-            let banks = plan::with_converters(bench, banks);
-            let banks = match place.alone {
-                true => banks,
-                false => banks.sharing(&place.channels),
-            };
+            let place = finger.place;
             ends.push(Self {
-                banks: Clocked::new(banks, clock),
+                driver: Clocked::new(make(finger, lines)?, clock),
                 vote: Vote {
                     warden: Arc::clone(&warden),
                     finger: number,
                     name: place.name.clone(),
                 },
-                adapters: real.i2c.clone(),
+                way_out: way_out(&setup.bench, real),
                 found: match place.name {
                     None => found.clone(),
                     Some(_) => String::new(),
@@ -254,43 +290,47 @@ impl Live {
     }
 }
 
-impl DisplayEnd for Live {
-    type Update = Guarded;
+impl<D: OnLines> DisplayEnd for Live<D> {
+    type Update = D::Update;
 
-    fn parts(&mut self) -> (&mut dyn Driver, &dyn OutputEnable) {
-        (&mut self.banks, &self.vote)
+    fn parts(&mut self) -> (&mut dyn Driver<D::Update>, &dyn OutputEnable) {
+        (&mut self.driver, &self.vote)
     }
 
     /// Explains an error with the errno that the adapter gave.
     fn explain(&self, error: &DriverError) -> String {
-        let fault = match error {
-            DriverError::Bus(board, _) => self.banks.bus_of(*board),
-            _ => None,
-        };
-        let fault = fault.and_then(SharedLine::last_fault);
-        fault.map_or_else(|| error.to_string(), ToString::to_string)
+        let fault = |board| self.driver.line(board).and_then(SharedLine::last_fault);
+        match error {
+            DriverError::Bus(board, _) => {
+                fault(*board).map_or_else(|| error.to_string(), ToString::to_string)
+            }
+            // The address is that of all drivers: the actuator tells which.
+            DriverError::Haptic(HapticFault::Bus(..)) => {
+                let cause = fault(Board(0)).map_or_else(String::new, |own| format!(" ({own})"));
+                format!("{error}{cause}")
+            }
+            _ => error.to_string(),
+        }
     }
 
     fn keep_stopped(&mut self, cause: &str) -> Failure {
         self.vote.stop(cause);
         let whose = if self.vote.name.is_some() { "its " } else { "" };
-        let adapters = self.adapters.iter();
-        let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
         Failure::Guard(format!(
-            "{cause}; {whose}outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
-            adapters.collect::<String>()
+            "{cause}; {whose}outputs are off and stay off. Look at the bench, then clear the stop: {}",
+            self.way_out
         ))
     }
 }
 
 /// The guardian watches over a finger among those of the bench.
-impl Watched for Live {
+impl<D: OnLines> Watched for Live<D> {
     fn found(&self) -> &str {
         &self.found
     }
 
     fn wait(&self) {
-        if let Some(line) = self.banks.bus_of(Board(0)) {
+        if let Some(line) = self.driver.line(Board(0)) {
             line.wait();
         }
     }
@@ -318,7 +358,7 @@ impl Watched for Live {
 
 /// Has the guardian switch everything off after a panic of the loop. The guardian of the only finger is dropped with
 /// it, and acts.
-impl Drop for Live {
+impl<D> Drop for Live<D> {
     fn drop(&mut self) {
         if std::thread::panicking() && self.vote.name.is_some() {
             self.vote.warden.give_up("a loop panicked");

@@ -390,6 +390,11 @@ pub fn untextured(
         let limits = setup.limits.value.limits;
         let guard = Guard::of_motors(limits, motors::limits(haptics), plant, display.wires());
         let guard = guard.map_err(no_guard(setup))?;
+        // Heat of coils and time on outlive no run in an account: seconds bring them back.
+        let guard = match bench.is_hardware() {
+            true => guard.after_unknown_use(),
+            false => guard,
+        };
         let peak = milliamps(bench.drive.current_ma);
         let output = illusion::output(setup, &display, &guard, peak, (None, responses))?;
         return Ok(assembled(

@@ -93,7 +93,12 @@ pub fn limits(haptics: &BenchHaptics) -> MotorLimits {
     }
 }
 
-fn behind(driver: &HapticDriver) -> Option<(u8, u8)> {
+/// The switch before each driver, and its channel; `None` for one alone on the bus.
+pub fn behind(haptics: &BenchHaptics) -> Vec<Option<(u8, u8)>> {
+    haptics.drivers.iter().map(before).collect()
+}
+
+fn before(driver: &HapticDriver) -> Option<(u8, u8)> {
     driver.switch.map(|switch| (switch, driver.channel))
 }
 
@@ -112,7 +117,7 @@ pub fn channels(haptics: &BenchHaptics) -> Vec<HapticChannel> {
     };
     let [compensation, back_emf, gain] = haptics.calibration;
     let channel = |driver: &HapticDriver| HapticChannel {
-        behind: behind(driver),
+        behind: before(driver),
         motor,
         calibration: HapticCalibration {
             compensation,
@@ -170,7 +175,7 @@ pub fn places(setup: &Setup, haptics: &BenchHaptics) -> Vec<MotorPlace> {
     let places = drivers.zip(&setup.display.value.wires_mm);
     let place = |(driver, [x, y]): (&HapticDriver, &[f64; 2])| MotorPlace {
         at_mm: (*x, *y),
-        behind: behind(driver),
+        behind: before(driver),
     };
     places.map(place).collect()
 }
