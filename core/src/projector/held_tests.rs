@@ -7,7 +7,7 @@ use super::*;
 use crate::contact::Settings;
 use crate::driver::Actuators;
 use crate::guard::Guarded;
-use crate::illusion::{Display, DisplayWire};
+use crate::illusion::{Display, DisplayWire, Tracks};
 use crate::projector::{FrameReport, Target};
 use crate::skin::{Condition, Layout, Module};
 use crate::units::{Board, Channel, Point};

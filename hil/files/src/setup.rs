@@ -399,7 +399,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
     })
 }
 
-/// Checks that every fault meets an existing thing.
+/// Checks that every seat and fault meets an existing thing.
 fn check_faults(
     scene: &Loaded<Scene>,
     sensor: &SensorLayout,
@@ -409,6 +409,12 @@ fn check_faults(
     let adapters = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
     let buses = sensor.modules.iter().filter_map(|m| m.bus);
     let buses = buses.max().map_or(0, |last| usize::from(last) + 1);
+    for (index, seat) in scene.value.seats.iter().enumerate() {
+        if seat.wire >= bench.outputs.len() {
+            let expected = format!("less than {}", bench.outputs.len());
+            return Err(scene.source.bad(&format!("seats[{index}].wire"), expected));
+        }
+    }
     for (index, fault) in scene.value.faults.iter().enumerate() {
         let below = |name: &str, value: Option<usize>, count: usize| {
             let fits = value.is_none_or(|v| v < count);

@@ -176,6 +176,11 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.drives = 0;
         scene.fingers.clear();
         scene.faults.retain(|fault| place.is_of_wires(fault));
+        scene.seats.retain_mut(|seat| {
+            let own = finger.wires.contains(&seat.wire);
+            seat.wire -= if own { finger.wires.start } else { 0 };
+            own
+        });
         alone.section = format!("fingers[{index}].");
         scene.strokes.clone_from(&finger.strokes);
         let texture = finger.texture.clone().map(|(felt, stroked)| {
