@@ -177,9 +177,9 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.fingers.clear();
         scene.faults.retain(|fault| place.is_of_wires(fault));
         scene.seats.retain_mut(|seat| {
-            let own = finger.wires.contains(&seat.wire);
-            seat.wire -= if own { finger.wires.start } else { 0 };
-            own
+            let own = place.own_wire(seat.wire);
+            seat.wire = own.unwrap_or(seat.wire);
+            own.is_some()
         });
         alone.section = format!("fingers[{index}].");
         scene.strokes.clone_from(&finger.strokes);
@@ -235,3 +235,7 @@ pub(crate) fn looking(setup: &Setup) -> Cow<'_, Setup> {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "place_tests.rs"]
+mod tests;
