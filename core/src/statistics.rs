@@ -1,5 +1,5 @@
-//! Figures of many numbers: where a part of them lies, their mean, and what lies between two of them. Health, summaries, reports and studies all
-//! count ranks as here.
+//! Figures of many numbers: where a part of them lies, their mean, and what lies between two of them. Health, summaries,
+//! reports and studies all count ranks as here.
 
 use alloc::vec::Vec;
 

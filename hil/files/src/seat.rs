@@ -37,6 +37,17 @@ pub(super) fn check(seats: &[Seat], source: &Source) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Holds the seats of a scene against a bench of so many wires.
+pub(super) fn fit(seats: &[Seat], source: &Source, wires: usize) -> Result<(), FileError> {
+    match seats.iter().position(|seat| seat.wire >= wires) {
+        Some(index) => Err(source.bad(
+            &format!("seats[{index}].wire"),
+            format!("less than {wires}"),
+        )),
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 #[path = "seat_tests.rs"]
 mod tests;

@@ -17,6 +17,7 @@ use super::person::{PersonFile, Wearer};
 use super::recipe::Recipe;
 use super::recipe_plan::RecipePlan;
 use super::scene::Scene;
+use super::seat;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile, check_rest};
@@ -143,6 +144,7 @@ impl Setup {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
+        seat::fit(&scene.value.seats, &scene.source, bench.value.outputs.len())?;
         if scene.value.stream.is_some() && bench.value.kind == BenchKind::Real {
             let expected = "nothing on a bench of hardware, whose boards are on its own buses: [stream] emulates a network";
             return Err(scene.source.bad("stream", expected));
@@ -399,7 +401,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
     })
 }
 
-/// Checks that every seat and fault meets an existing thing.
+/// Checks that every fault meets an existing thing.
 fn check_faults(
     scene: &Loaded<Scene>,
     sensor: &SensorLayout,
@@ -409,12 +411,6 @@ fn check_faults(
     let adapters = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
     let buses = sensor.modules.iter().filter_map(|m| m.bus);
     let buses = buses.max().map_or(0, |last| usize::from(last) + 1);
-    for (index, seat) in scene.value.seats.iter().enumerate() {
-        if seat.wire >= bench.outputs.len() {
-            let expected = format!("less than {}", bench.outputs.len());
-            return Err(scene.source.bad(&format!("seats[{index}].wire"), expected));
-        }
-    }
     for (index, fault) in scene.value.faults.iter().enumerate() {
         let below = |name: &str, value: Option<usize>, count: usize| {
             let fits = value.is_none_or(|v| v < count);
