@@ -1,5 +1,5 @@
-//! Figures of many numbers: where a part of them lies, and their mean. Health, summaries, reports and studies all
-//! count ranks as here.
+//! Figures of many numbers: where a part of them lies, their mean, and what lies between two of them. Health, summaries,
+//! reports and studies all count ranks as here.
 
 use alloc::vec::Vec;
 
@@ -46,6 +46,17 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut count = 0_usize;
     let sum: f64 = values.into_iter().inspect(|_| count += 1).sum();
     (count > 0).then(|| sum / count as f64)
+}
+
+/// The value at `x` on straight lines between points `[x, y]` of ascending x, whose ends hold. `None` of no points.
+pub fn interpolated(points: &[[f64; 2]], x: f64) -> Option<f64> {
+    let next = points.partition_point(|[at, _]| *at <= x);
+    let before = next.checked_sub(1).and_then(|n| points.get(n));
+    match (before, points.get(next)) {
+        (Some([t, a]), Some([u, b])) => Some(a + (b - a) * (x - t) / (u - t)),
+        (Some([_, only]), None) | (None, Some([_, only])) => Some(*only),
+        (None, None) => None,
+    }
 }
 
 #[cfg(test)]

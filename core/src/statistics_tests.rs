@@ -28,3 +28,13 @@ fn ends_and_samples_are_found_exactly() {
     assert_eq!(quantile::<f64>(&[], 0.5), None);
     assert_eq!([mean([]), mean([1.0, 2.0, 6.0])], [None, Some(3.0)]);
 }
+
+#[test]
+fn ends_hold_and_values_between_lie_on_straight_lines() {
+    let points = [[1.0, 10.0], [2.0, 20.0], [4.0, 0.0]];
+    let at = |x| interpolated(&points, x);
+    assert_eq!([at(0.0), at(1.0), at(1.5)], [10.0, 10.0, 15.0].map(Some));
+    assert_eq!([at(2.0), at(3.0), at(9.0)], [20.0, 10.0, 0.0].map(Some));
+    assert_eq!(at(f64::NAN), Some(10.0));
+    assert_eq!(interpolated(&[], 1.0), None);
+}

@@ -403,6 +403,13 @@ impl WornDisplay {
         self.worn.by(person, &self.places_mm())
     }
 
+    /// Lets only a part of a wire's motion, 0 to 1, reach the skin: points of seconds, ascending, and parts, with straight lines
+    /// between, and ends that hold. Each stretch of the motion has the part of its beginning. A wire that is not there is left
+    /// alone.
+    pub fn seat(&mut self, wire: usize, points_s_part: &[[f64; 2]]) {
+        self.worn.seat(wire, points_s_part);
+    }
+
     /// Puts other wires beside in place of earlier ones, at rest, through which the same currents flow from here on, and has
     /// the same person feel them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
     /// `aside` computes them beside the caller's work; without it they are computed here.

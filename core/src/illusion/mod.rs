@@ -33,4 +33,5 @@ pub use stroke::{Dab, Planned, Stroke, StrokeError};
 pub use surface::Surface;
 pub use timing::{LONGEST, TimingError, TimingLaw};
 #[cfg(target_has_atomic = "ptr")]
+pub use track::AHEAD;
 pub(crate) use track::Tracks;

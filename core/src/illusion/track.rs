@@ -3,7 +3,7 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
-use crate::units::{Instant, Point};
+use crate::units::{Duration, Instant, Point};
 
 /// State of one contact.
 #[derive(Clone, Copy, Debug)]
@@ -25,18 +25,21 @@ struct Track {
 #[derive(Clone, Debug)]
 pub(crate) struct Tracks {
     slots: Box<[Option<Track>]>,
+    ahead: Duration,
 }
+
+/// Longest time for which a contact is carried on unless stated: two frames at 100 Hz.
+pub const AHEAD: Duration = Duration::from_millis(20);
 
 /// Part of a new difference that goes into the velocity: noise of frames counts a quarter.
 const SMOOTHING: f32 = 0.25;
-/// A contact is carried on for this long at most, us: two frames at 100 Hz. An older one stands still.
-const LONGEST_US: u64 = 20_000;
 
 impl Tracks {
-    /// Tracks of at most `most` contacts; the last time it allocates.
-    pub fn new(most: usize) -> Self {
+    /// Tracks of at most `most` contacts, carried on for `ahead` at most: an older one stands still. The last time it allocates.
+    pub fn new(most: usize, ahead: Duration) -> Self {
         Self {
             slots: vec![None; most].into(),
+            ahead,
         }
     }
 
@@ -88,7 +91,7 @@ impl Tracks {
     /// Place of a contact at `now`, display mm; `None` for a contact that the newest frame did not have.
     pub fn place(&self, id: u32, now: Instant) -> Option<Point> {
         let track = self.slots.iter().flatten().find(|t| t.id == id)?;
-        let ahead = now.since(track.at).as_micros().min(LONGEST_US) as f32;
+        let ahead = now.since(track.at).min(self.ahead).as_micros() as f32;
         Some(Point::new(
             track.place.x + ahead * track.velocity.0,
             track.place.y + ahead * track.velocity.1,

@@ -12,7 +12,7 @@ fn x(tracks: &Tracks, id: u32, ms: u64) -> f32 {
 
 #[test]
 fn a_moving_contact_is_carried_to_the_tick_and_not_for_ever() {
-    let mut tracks = Tracks::new(1);
+    let mut tracks = Tracks::new(1, AHEAD);
     for frame in 0..60u64 {
         let place = Point::new(frame as f32 * 0.1, 0.0); // 10 mm/s
         tracks.observe(at(frame * 10), [(7, place)].into_iter());
@@ -23,8 +23,18 @@ fn a_moving_contact_is_carried_to_the_tick_and_not_for_ever() {
 }
 
 #[test]
+fn a_contact_that_is_not_carried_on_stands_where_its_newest_frame_had_it() {
+    let mut tracks = Tracks::new(1, Duration::ZERO);
+    for frame in 0..60u64 {
+        let place = Point::new(frame as f32 * 0.1, 0.0);
+        tracks.observe(at(frame * 10), [(7, place)].into_iter());
+        assert_eq!(x(&tracks, 7, frame * 10 + 9), place.x);
+    }
+}
+
+#[test]
 fn a_new_contact_stands_and_a_lost_one_is_gone() {
-    let mut tracks = Tracks::new(2);
+    let mut tracks = Tracks::new(2, AHEAD);
     let (a, b) = (Point::new(1.0, 0.0), Point::new(5.0, 0.0));
     tracks.observe(at(0), [(1, a), (2, b)].into_iter());
     assert_eq!(x(&tracks, 2, 15), 5.0);

@@ -28,6 +28,8 @@ pub struct Mount {
     pub ends: Ends,
     /// Force with which the wire lies on the skin at rest, N \[A\].
     pub preload_n: f64,
+    /// Way by which the thimble gives under a wire's force, m/N \[A\]; 0 is rigid.
+    pub compliance_m_per_n: f64,
 }
 
 impl Mount {
@@ -37,13 +39,15 @@ impl Mount {
         sag_m: 170e-6,
         ends: Ends::Clamped,
         preload_n: 1e-3,
+        compliance_m_per_n: 0.0,
     };
 
     /// Checks that the model can compute with every value.
     pub(super) fn check(&self, length_m: f64) -> Result<(), ParameterError> {
         positive("mount.sag_m", self.sag_m)?;
         check("mount.sag_m", self.sag_m <= length_m * DEEPEST)?;
-        not_negative("mount.preload_n", self.preload_n)
+        not_negative("mount.preload_n", self.preload_n)?;
+        not_negative("mount.compliance_m_per_n", self.compliance_m_per_n)
     }
 }
 
@@ -60,6 +64,8 @@ pub struct Bow {
     pub free_gain: f64,
     /// Force over displacement of the tissue under the whole wire, N/m.
     pub line_n_per_m: f64,
+    /// Part of the bow's displacement that the skin takes; the thimble gives way by the rest.
+    pub skin_share: f64,
     /// Displacement from rest at which skin and wire part, m; not positive.
     pub parting_m: f64,
 }
@@ -88,10 +94,14 @@ impl Bow {
         let bending = held * 2.0 * modulus * second_moment * pi_4 / cube;
         let line_n_per_m = line_stiffness(tissue, length)?;
         let free = 2.0 * length / (PI * PI * sag);
+        // Tissue and thimble are springs in series: the force that the tissue makes moves the crimps too.
+        let skin_share = 1.0 / (1.0 + wire.mount.compliance_m_per_n * line_n_per_m);
+        let tissue = shape * line_n_per_m * skin_share;
         Ok(Self {
-            gain: free * stretching / (stretching + bending + shape * line_n_per_m),
+            gain: free * stretching / (stretching + bending + tissue) * skin_share,
             free_gain: free * stretching / (stretching + bending),
             line_n_per_m,
+            skin_share,
             parting_m: -wire.mount.preload_n / line_n_per_m,
         })
     }

@@ -63,6 +63,41 @@ fn freer_ends_and_softer_skin_move_more() {
     assert!(thick.gain < thin.gain, "the thicker wire bends less easily");
 }
 
+/// Skin, thimble and bow in balance, found without the formula: the bow goes where its own force equals the one that tissue and
+/// thimble give back.
+#[test]
+fn a_soft_thimble_takes_its_part_of_the_motion() {
+    let rigid = bow(170.0, Ends::Clamped);
+    for um_per_mn in [0.0, 1.0, 10.0, 100.0] {
+        let wire = WireParameters {
+            mount: Mount {
+                compliance_m_per_n: um_per_mn * 1e-3,
+                ..Mount::DEFAULT
+            },
+            ..WireParameters::FINAL
+        };
+        let found = Bow::new(&wire, &TissueParameters::DEFAULT).unwrap();
+        // Of a free bow 1 m goes; `own` is its stiffness against the middle, which the rigid seat tells.
+        let free = rigid.free_gain;
+        let own = 3.0 / 8.0 * rigid.line_n_per_m * rigid.gain / (free - rigid.gain);
+        let (mut low, mut high) = (0.0, free);
+        for _ in 0..80 {
+            let skin = f64::midpoint(low, high);
+            let thimble = um_per_mn * 1e-3 * rigid.line_n_per_m * skin;
+            let pushes = own * (free - skin - thimble);
+            let resists = 3.0 / 8.0 * rigid.line_n_per_m * skin;
+            (low, high) = if pushes > resists {
+                (skin, high)
+            } else {
+                (low, skin)
+            };
+        }
+        close(found.gain, low, 1e-9);
+        close(found.free_gain, free, 1e-12);
+        close(found.parting_m, rigid.parting_m, 1e-12);
+    }
+}
+
 #[test]
 fn no_bow_without_a_sag_or_deeper_than_shallow() {
     for sag_m in [0.0, -1e-6, 1.1e-3, f64::NAN] {

@@ -79,7 +79,8 @@ impl Curve {
             shape.fill(to, &mut down);
         }
         let mut up = alloc::vec![rest];
-        let (parting, deepest) = (rest - bow.parting_m, wire.length_m * DEEPEST);
+        let parting = rest - bow.parting_m / bow.skin_share;
+        let deepest = wire.length_m * DEEPEST;
         for to in [parting, deepest.max(parting)] {
             shape.fill(to, &mut up);
         }
@@ -96,8 +97,8 @@ impl Curve {
                 low,
                 high,
                 from,
-                u_m: rest - s,
-                u_per: (a - b) / span,
+                u_m: bow.skin_share * (rest - s),
+                u_per: bow.skin_share * (a - b) / span,
                 stress_pa: shape.stress(s),
                 stiffness_pa: (shape.stress(a) - shape.stress(b)) / span,
                 apart: a >= parting,
@@ -149,7 +150,7 @@ impl Shape {
         Self {
             rest,
             a,
-            b: 2.0 * a * rest * rest * (geometric / bow.gain - 1.0),
+            b: 2.0 * a * rest * rest * (geometric * bow.skin_share / bow.gain - 1.0),
             modulus: wire.mechanics.modulus_martensite_pa,
         }
     }

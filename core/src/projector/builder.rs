@@ -5,8 +5,8 @@ use alloc::boxed::Box;
 use crate::contact::{Scope, Settings};
 use crate::guard::{Guard, HARD, Limits, Plant, WornWire};
 use crate::illusion::{
-    Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
-    Sharing, build, inverse,
+    AHEAD, Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned,
+    Rect, Sharing, build, inverse,
 };
 use crate::render::{CADENCE, Pattern, RenderSettings, Response, Style};
 use crate::schedule::{Share, Timing};
@@ -282,6 +282,7 @@ impl Builder {
             sensing: self.sensing,
             drives: self.drives,
             view: View::fixed(map),
+            ahead: AHEAD,
             display,
             output,
             texture: self.texture,

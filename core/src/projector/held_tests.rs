@@ -7,7 +7,7 @@ use super::*;
 use crate::contact::Settings;
 use crate::driver::Actuators;
 use crate::guard::Guarded;
-use crate::illusion::{Display, DisplayWire};
+use crate::illusion::{Display, DisplayWire, Tracks};
 use crate::projector::{FrameReport, Target};
 use crate::skin::{Condition, Layout, Module};
 use crate::units::{Board, Channel, Point};
@@ -123,6 +123,35 @@ fn carried(later: u64) {
         stops.is_some_and(|ms| (240..290).contains(&ms)),
         "{stops:?}"
     );
+}
+
+#[test]
+fn contacts_that_are_not_carried_on_are_felt_where_their_newest_frame_had_them() {
+    let (mut projector, mut boards, mut seen) = (projector(), Boards::default(), Seen::default());
+    projector.tracks = Tracks::new(2, Duration::ZERO);
+    let along = |ms: u64| 0.014 * ms as f32 - 2.0;
+    for ms in 0..200 {
+        if ms % 10 == 0 {
+            let held = projector.hold(at(ms), Duration::ZERO, &[contact(along(ms))], &mut seen);
+            held.unwrap();
+        }
+        let _ = projector.turn(at(ms), &mut boards, &mut seen);
+    }
+    let targets = seen
+        .onsets
+        .iter()
+        .filter(|(_, targets)| !targets.is_empty());
+    let late = targets.filter(|(when, _)| when.as_micros() % 10_000 > 0);
+    let mut count = 0;
+    for (when, targets) in late {
+        let newest = along(when.as_micros() / 10_000 * 10);
+        assert_eq!(
+            targets[0].place,
+            projector.map().apply(Point::new(newest, 0.0))
+        );
+        count += 1;
+    }
+    assert!(count > 0);
 }
 
 #[test]

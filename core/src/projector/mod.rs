@@ -120,6 +120,9 @@ pub struct Plan {
     pub drives: u16,
     /// View of the skin on the display.
     pub view: View,
+    /// Longest time for which a contact is carried on with its velocity to the instant of an onset; zero leaves it where its
+    /// newest frame had it.
+    pub ahead: Duration,
     /// The display.
     pub display: Display,
     /// Settings of stimuli.
@@ -206,7 +209,7 @@ impl Projector {
             view: plan.view,
             drives: plan.drives,
             targets: alloc::vec![Target::default(); most].into(),
-            tracks: Tracks::new(most),
+            tracks: Tracks::new(most, plan.ahead),
             tracked: None,
             later: Duration::ZERO,
         })

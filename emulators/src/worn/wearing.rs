@@ -1,7 +1,9 @@
 //! Wires that lie on a finger, and the person whose finger it is.
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_core::statistics::interpolated;
 
+use crate::display::solver::stretch::Stretch;
 use crate::display::wire::Wire;
 use crate::person::channels::{Felt, Perceiver, Person};
 use crate::time::Nanos;
@@ -12,6 +14,10 @@ pub struct Wearing {
     /// Wires, one per place.
     pub wires: Vec<Wire>,
     perceiver: Option<Perceiver>,
+    /// Times in seconds, and the part of each wire's motion that reaches the skin; no points of a wire that lies on it evenly.
+    seats: Vec<Vec<[f64; 2]>>,
+    /// End of the motion that was summed up.
+    settled: Nanos,
 }
 
 impl Wearing {
@@ -38,13 +44,19 @@ impl Wearing {
         tissue: &TissueParameters,
     ) -> Result<Self, ParameterError> {
         let one = Wire::beside(self.wires.first(), wire, tissue, tissue.body_c)?;
-        Ok(Self::all(one.worn(tissue)?, self.wires.len()))
+        Ok(Self {
+            seats: self.seats.clone(),
+            settled: self.settled,
+            ..Self::all(one.worn(tissue)?, self.wires.len())
+        })
     }
 
     fn all(one: Wire, count: usize) -> Self {
         Self {
             wires: vec![one; count],
             perceiver: None,
+            seats: vec![Vec::new(); count],
+            settled: Nanos::ZERO,
         }
     }
 
@@ -66,13 +78,33 @@ impl Wearing {
         Ok(())
     }
 
+    /// Lets only a part of a wire's motion reach the skin, by times in seconds; a wire that is not there is left alone.
+    pub fn seat(&mut self, wire: usize, points_s_part: &[[f64; 2]]) {
+        if let Some(seat) = self.seats.get_mut(wire) {
+            *seat = points_s_part.to_vec();
+        }
+    }
+
     /// Sums up what was felt until `now`.
     pub fn settle(&mut self, now: Nanos) {
+        let begun_s = core::mem::replace(&mut self.settled, now).as_secs_f64();
         let Some(perceiver) = &mut self.perceiver else {
             return;
         };
-        for (index, wire) in self.wires.iter_mut().enumerate() {
-            wire.take_stretches(now, |stretch| perceiver.pass(index, stretch));
+        for (index, (wire, seat)) in self.wires.iter_mut().zip(&self.seats).enumerate() {
+            let mut t_s = begun_s;
+            wire.take_stretches(now, |stretch| {
+                let part = interpolated(seat, t_s).unwrap_or(1.0);
+                t_s += stretch.seconds;
+                let um_per_k = stretch.um_per_k * part;
+                perceiver.pass(
+                    index,
+                    &Stretch {
+                        um_per_k,
+                        ..*stretch
+                    },
+                );
+            });
         }
         perceiver.settle();
     }
@@ -91,3 +123,7 @@ impl Wearing {
         felt
     }
 }
+
+#[cfg(test)]
+#[path = "wearing_tests.rs"]
+mod tests;

@@ -325,7 +325,8 @@ impl Bench {
             supply_ohm: 0.0..=100.0, "Ohm")?;
         bounds!(source, "mount", bench.mount;
             sag_um: 1.0..=10_000.0, "um";
-            preload_mn: 0.0..=100.0, "mN")?;
+            preload_mn: 0.0..=100.0, "mN";
+            compliance_um_per_mn: 0.0..=1000.0, "um/mN")?;
         bench.tissue.check(source)?;
         bench.check_unit(source)?;
         bench.check_heat(source)?;

@@ -1,6 +1,6 @@
 //! Illusion of a scene: its law, the sharing of wires, strength, timing and wearer.
 
-use palpate_core::illusion::{Distances, IllusionModel, Sharing, TimingLaw};
+use palpate_core::illusion::{AHEAD, Distances, IllusionModel, Sharing, TimingLaw};
 use palpate_core::render::Style;
 use palpate_core::units::Duration;
 use serde::Deserialize;
@@ -51,6 +51,9 @@ settings! {
         /// Time between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which
         /// is 35 if that is left out too.
         pub soa_ms: Option<f64>,
+        /// Longest time for which a contact is carried on with its velocity to the instant of an onset, milliseconds; 0 leaves it
+        /// where its newest frame had it.
+        pub ahead_ms: f64 = AHEAD.as_secs_f64() * 1e3,
         /// True if a contact's level reaches the wires.
         pub intensity: bool = true,
         /// The share of beta at the lowest level; the top level has all of it.
@@ -64,12 +67,22 @@ settings! {
     }
 }
 
+/// Milliseconds in the core's unit.
+fn span(ms: f64) -> Duration {
+    Duration::from_micros((ms * 1e3).round() as u64)
+}
+
 impl Illusion {
     /// The stated duration and onset asynchrony in the core's unit.
     #[must_use]
     pub fn stated(&self) -> (Option<Duration>, Option<Duration>) {
-        let span = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
         (self.tau_d_ms.map(span), self.soa_ms.map(span))
+    }
+
+    /// Longest time for which a contact is carried on, in the core's unit.
+    #[must_use]
+    pub fn ahead(&self) -> Duration {
+        span(self.ahead_ms)
     }
 
     /// Time between onsets in milliseconds.
@@ -115,6 +128,7 @@ impl Illusion {
             .timing(duration, soa)
             .map_err(|e| source.bad("illusion.soa_ms", e.to_string()))?;
         bounds!(source, "illusion", self;
+            ahead_ms: 0.0..=1000.0, "ms";
             intensity_floor: 0.0..=1.0;
             weber: 0.001..=10.0)
     }

@@ -1,5 +1,8 @@
 //! Joints of the hand that a skin is on: their angles over time, and the conditions of a scene that depend on them.
 
+use std::ops::RangeInclusive;
+
+use palpate_core::statistics::interpolated;
 use serde::Deserialize;
 
 use super::error::FileError;
@@ -89,13 +92,7 @@ impl Joint {
     /// The angle at a time in seconds, degrees; 0 for a joint without a point.
     #[must_use]
     pub fn at(&self, t_s: f64) -> f64 {
-        let next = self.points_s_deg.partition_point(|[t, _]| *t <= t_s);
-        let before = next.checked_sub(1).and_then(|n| self.points_s_deg.get(n));
-        match (before, self.points_s_deg.get(next)) {
-            (Some([t, a]), Some([u, b])) => a + (b - a) * (t_s - t) / (u - t),
-            (Some([_, only]), None) | (None, Some([_, only])) => *only,
-            (None, None) => 0.0,
-        }
+        interpolated(&self.points_s_deg, t_s).unwrap_or(0.0)
     }
 
     /// The touch that the joint's press makes over a scene's length in seconds; `None` where it never presses.
@@ -131,20 +128,8 @@ impl Joint {
             let expected = "a name of letters, digits, `_` and `-`";
             return Err(source.bad(&format!("{key}.name"), expected));
         }
-        let points = format!("{key}.points_s_deg");
-        if self.points_s_deg.is_empty() {
-            return Err(source.bad(&points, "at least one point: [seconds, degrees]"));
-        }
-        let mut from = 0.0;
-        for (index, [t_s, deg]) in self.points_s_deg.iter().enumerate() {
-            let key = format!("{points}[{index}]");
-            source.range(&key, t_s, 0.0..=86_400.0, "s")?;
-            source.range(&key, deg, -MOST_DEG..=MOST_DEG, "degrees")?;
-            if index > 0 && *t_s <= from {
-                return Err(source.bad(&key, format!("a time after {from} s")));
-            }
-            from = *t_s;
-        }
+        let (points, most) = (format!("{key}.points_s_deg"), -MOST_DEG..=MOST_DEG);
+        check_points(&self.points_s_deg, source, &points, (most, "degrees"))?;
         let Some(press) = &self.press else {
             return Ok(());
         };
@@ -161,6 +146,30 @@ impl Joint {
             Err(source.bad_found(&key, expected, format!("a press at {} s", touch.start_s)))
         })
     }
+}
+
+/// Checks points over time: one at least, times in seconds that ascend, and values in a range of this unit.
+pub(super) fn check_points(
+    points: &[[f64; 2]],
+    source: &Source,
+    key: &str,
+    (range, unit): (RangeInclusive<f64>, &str),
+) -> Result<(), FileError> {
+    if points.is_empty() {
+        let expected = format!("at least one point: [seconds, {unit}]");
+        return Err(source.bad(key, expected));
+    }
+    let mut from = 0.0;
+    for (index, [t_s, value]) in points.iter().enumerate() {
+        let key = format!("{key}[{index}]");
+        source.range(&key, t_s, 0.0..=86_400.0, "s")?;
+        source.range(&key, value, range.clone(), unit)?;
+        if index > 0 && *t_s <= from {
+            return Err(source.bad(&key, format!("a time after {from} s")));
+        }
+        from = *t_s;
+    }
+    Ok(())
 }
 
 /// Touches of all joints that press, over a scene's length in seconds.

@@ -22,6 +22,8 @@ settings! {
         pub ends: Ends = Ends::Clamped,
         /// Force with which a wire lies on the skin at rest, mN.
         pub preload_mn: f64 = 1.0,
+        /// Way by which the thimble gives under a wire's force, micrometres per mN; 0 is rigid.
+        pub compliance_um_per_mn: f64 = 0.0,
     }
 }
 
@@ -58,6 +60,7 @@ impl BenchMount {
             sag_m: self.sag_um / 1e6,
             ends: self.ends,
             preload_n: self.preload_mn / 1e3,
+            compliance_m_per_n: self.compliance_um_per_mn / 1e3,
         }
     }
 }

@@ -49,6 +49,10 @@ fn nonsense_is_named_with_key_and_range() {
             "mount.preload_mn: expected a number from 0 to 100 mN, found -1",
         ),
         (
+            "[mount]\ncompliance_um_per_mn = -1",
+            "mount.compliance_um_per_mn: expected a number from 0 to 1000 um/mN, found -1",
+        ),
+        (
             "[tissue]\nmodulus_kpa = 0",
             "tissue.modulus_kpa: expected a number from 1 to 10000 kPa",
         ),

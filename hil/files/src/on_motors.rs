@@ -22,6 +22,10 @@ impl Loaded<Scene> {
             let expected = "nothing on a bench of motors: a texture is made of a wire's pulses";
             return Err(self.source.bad("texture", expected));
         }
+        if !self.value.seats.is_empty() {
+            let expected = "nothing on a bench of motors: a seat is a wire's";
+            return Err(self.source.bad("seats", expected));
+        }
         let stated = |key: &str| self.source.states(key);
         let (model, beta) = (stated("illusion.model"), stated("illusion.beta"));
         let illusion = &mut self.value.illusion;

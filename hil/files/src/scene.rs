@@ -10,6 +10,7 @@ use super::felt::Felt;
 use super::finger::SceneFinger;
 use super::illusion::{Illusion, SceneStroke};
 use super::joint::{self, Joint};
+use super::seat::{self, Seat};
 use super::settings::{bounds, settings};
 use super::source::Source;
 use super::stream::Stream;
@@ -107,6 +108,8 @@ settings! {
         pub strokes: Vec<SceneStroke>,
         /// The texture that is felt on the only display of a bench; none if left out.
         pub texture: Option<Felt>,
+        /// Contact of single wires with the emulated finger over time; left out: all lie on it evenly.
+        pub seats: Vec<Seat>,
         /// Faults of an emulated bench; none if left out.
         pub faults: Vec<Fault>,
         /// Expectations that a test of this scene checks.
@@ -235,6 +238,7 @@ impl Scene {
             stream.check(source)?;
         }
         joint::check(&scene.joints, source, (scene.quiet_s(), scene.length_s))?;
+        seat::check(&scene.seats, source)?;
         scene.check_events(source)?;
         let pressed = joint::touches(&scene.joints, scene.length_s);
         scene.touches.extend(pressed);

@@ -17,6 +17,7 @@ use super::person::{PersonFile, Wearer};
 use super::recipe::Recipe;
 use super::recipe_plan::RecipePlan;
 use super::scene::Scene;
+use super::seat;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile, check_rest};
@@ -143,6 +144,7 @@ impl Setup {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
+        seat::fit(&scene.value.seats, &scene.source, bench.value.outputs.len())?;
         if scene.value.stream.is_some() && bench.value.kind == BenchKind::Real {
             let expected = "nothing on a bench of hardware, whose boards are on its own buses: [stream] emulates a network";
             return Err(scene.source.bad("stream", expected));

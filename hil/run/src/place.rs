@@ -176,6 +176,11 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.drives = 0;
         scene.fingers.clear();
         scene.faults.retain(|fault| place.is_of_wires(fault));
+        scene.seats.retain_mut(|seat| {
+            let own = place.own_wire(seat.wire);
+            seat.wire = own.unwrap_or(seat.wire);
+            own.is_some()
+        });
         alone.section = format!("fingers[{index}].");
         scene.strokes.clone_from(&finger.strokes);
         let texture = finger.texture.clone().map(|(felt, stroked)| {
@@ -230,3 +235,7 @@ pub(crate) fn looking(setup: &Setup) -> Cow<'_, Setup> {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "place_tests.rs"]
+mod tests;

@@ -106,6 +106,9 @@ impl EmulatedDisplay {
                 (display, Shared::new(layer))
             }
         };
+        for seat in &setup.scene.value.seats {
+            display.seat(seat.wire, &seat.points_s_part);
+        }
         // What is felt of a pass counts for no figure.
         if setup.pass.itself().is_none() {
             let person = plan::emulated_person(setup);

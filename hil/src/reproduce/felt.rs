@@ -1,7 +1,8 @@
 //! Rows of figure 5.5: four paths of a sphere, their contacts, and what the typical person feels of them on each
 //! hypothesis of the wire.
 
-use palpate_files::{Overrides, Setup};
+use palpate_core::random::RandomStream;
+use palpate_files::{Bench, Overrides, Scene, Seat, Setup};
 use palpate_records::trace::{Event, event};
 use palpate_run::{Failure, Input, Outcome, run};
 use serde_json::{Value, json};
@@ -63,6 +64,18 @@ pub(super) const ROWS: &[Row] = &[
         says: "Breaks lie around the centre between wires, and at wires.",
         assumed: "Thin wires of the default bench, (5.2), guard only observing. Near is a quarter of the gap of 9.5 mm.",
         compute: breaks,
+    },
+    Row {
+        id: "claim-5.5-contact",
+        says: "Deviations and jumps are taken to come from wires that touch the skin unevenly, and otherwise as the finger moves.",
+        assumed: "The default bench and law. Each wire draws anew, every half second, which part of its motion reaches the skin; ten fingers for each range.",
+        compute: uneven,
+    },
+    Row {
+        id: "claim-5.5-compliant",
+        says: "A compliant thimble would make the contact regular, and so the felt paths.",
+        assumed: "Regular contact; the thimble gives under each wire by itself. The law knows how far.",
+        compute: compliant,
     },
 ];
 
@@ -301,5 +314,120 @@ fn breaks() -> Result<Answer, Failure> {
             counts[1][0], counts[0][0]
         ),
         json!({ "near": counts[0], "between": counts[1] }),
+    ))
+}
+
+/// Errors of four paths together.
+#[derive(Default)]
+struct Together {
+    /// Sum of squared errors over felt onsets inside the wires, mm2, and their number.
+    square: f64,
+    onsets: u64,
+    jumps: u64,
+    breaks: u64,
+    levels_db: Vec<f64>,
+}
+
+impl Together {
+    fn add(&mut self, outcome: &Outcome) {
+        let felt = &outcome.summary.felt;
+        if let Some(error) = felt.error_energy_mm {
+            self.square += error.rmse * error.rmse * felt.onsets_inside as f64;
+            self.onsets += felt.onsets_inside;
+        }
+        self.jumps += felt.jumps.unwrap_or(0);
+        self.breaks += felt.breaks.unwrap_or(0);
+        self.levels_db
+            .extend(felt.level_db.map(|level| level.median));
+    }
+
+    fn rmse_mm(&self) -> f64 {
+        (self.square / self.onsets.max(1) as f64).sqrt()
+    }
+}
+
+/// The four paths with a change of scene and bench.
+fn paths(change: impl Fn(&mut Scene, &mut Bench)) -> Result<Together, Failure> {
+    let mut found = Together::default();
+    for scene in PATHS {
+        let mut setup = Setup::load(scene, "emulated")?;
+        change(&mut setup.scene.value, &mut setup.bench.value);
+        let setup = Setup::join(setup.scene, setup.bench)?;
+        found.add(&run(&setup, &Input::Scene, 1)?);
+    }
+    Ok(found)
+}
+
+/// Seats of eight wires under a finger that moves: each has another part, from `least` to 1, every half second.
+fn wiggling(least: f64, finger: u64) -> Vec<Seat> {
+    let seat = |wire: usize| {
+        let mut draws = RandomStream::new(finger, &format!("contact of wire {wire}"));
+        let point = |n: u32| [f64::from(n) * 0.5, least + (1.0 - least) * draws.uniform()];
+        Seat {
+            wire,
+            points_s_part: (0..=20).map(point).collect(),
+        }
+    };
+    (0..8).map(seat).collect()
+}
+
+/// Fingers of each range of contact.
+const FINGERS: u64 = 10;
+
+fn uneven() -> Result<Answer, Failure> {
+    let even = paths(|_, _| ())?;
+    let (mut told, mut rows) = (Vec::new(), Vec::new());
+    for least in [0.7, 0.4, 0.1] {
+        let fingers = (1..=FINGERS).map(|finger| {
+            let found = paths(|scene, _| scene.seats = wiggling(least, finger))?;
+            Ok((found.rmse_mm(), found.jumps, found.breaks))
+        });
+        let mut fingers: Vec<(f64, u64, u64)> = fingers.collect::<Result<_, Failure>>()?;
+        fingers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let count = |of: fn(&(f64, u64, u64)) -> u64| {
+            fingers.iter().map(of).sum::<u64>() as f64 / FINGERS as f64
+        };
+        let (first, last) = (fingers[0].0, fingers[fingers.len() - 1].0);
+        told.push(format!(
+            "parts from {least} to 1 {first:.2} to {last:.2} mm, {:.1} jumps and {:.1} breaks",
+            count(|f| f.1),
+            count(|f| f.2)
+        ));
+        let rmse: Vec<f64> = fingers.iter().map(|f| f.0).collect();
+        rows.push(json!({ "least": least, "rmse_mm": rmse, "jumps": count(|f| f.1), "breaks": count(|f| f.2) }));
+    }
+    Ok(Answer::new(
+        Mark::Unknown("the part of a wire's motion that reached the skin was not measured".into()),
+        format!(
+            "Over four paths, even contact gives {:.2} mm RMSE, {} jumps and {} breaks; {}.",
+            even.rmse_mm(),
+            even.jumps,
+            even.breaks,
+            told.join("; ")
+        ),
+        json!({ "even_rmse_mm": even.rmse_mm(), "even_jumps": even.jumps, "even_breaks": even.breaks, "fingers": rows }),
+    ))
+}
+
+fn compliant() -> Result<Answer, Failure> {
+    let (mut told, mut rows) = (Vec::new(), Vec::new());
+    for um_per_mn in [0.0, 1.0, 3.0, 10.0] {
+        let found = paths(|_, bench| bench.mount.compliance_um_per_mn = um_per_mn)?;
+        let level_db = found
+            .levels_db
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        told.push(format!(
+            "{um_per_mn} um/mN {:.2} mm RMSE, {level_db:+.1} dB on the weakest path, {} breaks",
+            found.rmse_mm(),
+            found.breaks
+        ));
+        rows.push(json!({ "um_per_mn": um_per_mn, "rmse_mm": found.rmse_mm(), "level_db": level_db, "breaks": found.breaks }));
+    }
+    Ok(Answer::new(
+        Mark::Unknown("the thesis proposes it and did not build it".into()),
+        format!("A thimble that gives way by {}.", told.join("; ")),
+        json!({ "thimbles": rows }),
     ))
 }

@@ -357,8 +357,8 @@ impl Conducting<'_> {
             if let (Stimulus::Condition(name), Some(interval)) = (stimulus, played.intervals.last())
             {
                 self.known.paths.insert(name.clone(), interval.path.clone());
-                self.known.feel(name, self.player.sensed());
             }
+            self.known.feel(stimulus, self.player.sensed());
         }
         played.asked_ms = self.now_ms();
         let reply = match &self.answers {

@@ -53,8 +53,8 @@ pub fn planned(stimuli: &Stimuli, session: &Session) -> Result<Dose, Failure> {
             let rehearsed = rehearsals.rehearsal(stimuli, stimulus)?;
             if let Stimulus::Condition(name) = stimulus {
                 known.paths.insert(name.clone(), rehearsed.path.clone());
-                known.feel(name, &rehearsed.sensed);
             }
+            known.feel(stimulus, &rehearsed.sensed);
             let began = until + pause;
             let over = together.repeat(began, &rehearsed.bursts);
             until = (began + rehearsed.length).max(over);

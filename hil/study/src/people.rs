@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use palpate_core::random::RandomStream;
+use palpate_core::statistics::mean;
 use palpate_files::{Normal, Protocol, TaskKind};
 
 use crate::psychometric::Psychometric;
@@ -35,17 +36,25 @@ pub struct Known {
     pub wires_mm: Vec<[f64; 2]>,
     /// Path of each condition.
     pub paths: BTreeMap<String, Path>,
-    /// Onsets of each condition as they are felt. The drawing of a condition that is not here follows its path.
-    pub felt: BTreeMap<String, Vec<Sensed>>,
+    /// Onsets of each stimulus as they are felt. Of a stimulus that is not here a drawing follows the path, and a place is the
+    /// wire's.
+    pub felt: Vec<(Stimulus, Vec<Sensed>)>,
 }
 
 impl Known {
-    /// Notes what is felt of a condition; without an onset nothing is known of it.
-    pub fn feel(&mut self, condition: &str, sensed: &[Sensed]) {
-        match sensed {
-            [] => self.felt.remove(condition),
-            sensed => self.felt.insert(condition.to_owned(), sensed.to_vec()),
-        };
+    /// Notes what is felt of a stimulus; without an onset nothing is known of it.
+    pub fn feel(&mut self, stimulus: &Stimulus, sensed: &[Sensed]) {
+        self.felt.retain(|(other, _)| other != stimulus);
+        if !sensed.is_empty() {
+            self.felt.push((stimulus.clone(), sensed.to_vec()));
+        }
+    }
+
+    /// Onsets that are felt of a trial's first stimulus, if that is known.
+    fn felt_in(&self, trial: &Trial) -> Option<&[Sensed]> {
+        let first = trial.intervals.first()?;
+        let felt = self.felt.iter().find(|(stimulus, _)| stimulus == first);
+        felt.map(|(_, sensed)| sensed.as_slice())
     }
 }
 
@@ -209,15 +218,21 @@ impl Person {
         known: &Known,
         random: &mut RandomStream,
     ) -> Answer {
-        let at = trial.intervals.iter().find_map(|stimulus| match stimulus {
-            Stimulus::Wire { wire, .. } => known.wires_mm.get(usize::from(*wire)).copied(),
-            _ => None,
-        });
+        let wire = || {
+            trial.intervals.iter().find_map(|stimulus| match stimulus {
+                Stimulus::Wire { wire, .. } => known.wires_mm.get(usize::from(*wire)).copied(),
+                _ => None,
+            })
+        };
+        let felt = known.felt_in(trial);
+        let at = felt.map_or_else(wire, middle);
         let [x, y] = at.unwrap_or_default();
         let Some(task) = &protocol.localisation else {
             return Answer::Place([x, y]);
         };
-        if random.uniform() < task.simulated.slips && !known.wires_mm.is_empty() {
+        // Who feels nothing points anywhere, as in a slip.
+        let slips = random.uniform() < task.simulated.slips || at.is_none();
+        if slips && !known.wires_mm.is_empty() {
             let any = (random.uniform() * known.wires_mm.len() as f64) as usize;
             return Answer::Place(known.wires_mm[any.min(known.wires_mm.len() - 1)]);
         }
@@ -235,10 +250,10 @@ impl Person {
     ) -> Answer {
         let still = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
         let name = condition(trial);
-        let felt = name.and_then(|name| known.felt.get(name));
+        let felt = known.felt_in(trial);
         let path = name.and_then(|name| known.paths.get(name));
         let path = || path.filter(|path| path.len() > 1).unwrap_or(&still).clone();
-        let pieces = felt.map_or_else(|| vec![path()], |felt| pieces(felt));
+        let pieces = felt.map_or_else(|| vec![path()], pieces);
         let (noise, breaks_hz) = protocol.drawing.as_ref().map_or((0.0, 0.0), |task| {
             (task.simulated.noise_mm, task.simulated.breaks_hz)
         });
@@ -291,6 +306,13 @@ fn pieces(felt: &[Sensed]) -> Vec<Path> {
         true => vec![vec![[0.0; 3]]],
         false => found,
     }
+}
+
+/// Middle of the felt onsets, mm; `None` where nothing is felt.
+fn middle(felt: &[Sensed]) -> Option<[f64; 2]> {
+    let places = || felt.iter().filter_map(|onset| onset.place_mm);
+    let axis = |axis: usize| mean(places().map(|place| place[axis]));
+    Some([axis(0)?, axis(1)?])
 }
 
 /// Place of a path at a time, mm: straight between its points, its ends before and after.

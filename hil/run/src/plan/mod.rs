@@ -478,6 +478,7 @@ fn assembled(
         },
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         view,
+        ahead: scene.illusion.ahead(),
         display,
         output,
         texture: None,
