@@ -94,8 +94,8 @@ fn read_digest(setup: &Setup, file: &BandFile, source: &Source) -> Result<String
     digest(setup, &named.collect::<Result<Vec<_>, _>>()?)
 }
 
-/// Words of a bench without motors.
-const NO_MOTORS: &str = "haptics: None, ";
+/// Words of a bench for keys that came later, at values that change nothing: no motors, and a rigid thimble.
+const LATER: [&str; 2] = ["haptics: None, ", ", compliance_um_per_mn: 0.0"];
 
 /// Digest of all values that draws of a bench go back to: the bench's own, its files, those of the scene that they play,
 /// and the named files of its band, in their order.
@@ -114,8 +114,11 @@ pub fn digest(setup: &Setup, named: &[Source]) -> Result<String, FileError> {
     let shared = [&setup.limits.source, &setup.display.source];
     let of_scene = [&scene.source, &layout, &person];
     let all = own.into_iter().chain(shared).chain(of_scene);
-    // A band is of wires. A bench without motors has the digest that it had before there were any, so files hold.
-    let mut text = format!("{bench:?}\n").replace(NO_MOTORS, "");
+    // A bench without what came later has the digest that it had before, so files hold.
+    let mut text = format!("{bench:?}\n");
+    for words in LATER {
+        text = text.replace(words, "");
+    }
     for source in all.chain(named) {
         let values = source.values();
         text += &format!("{} {values}\n", values.len());
