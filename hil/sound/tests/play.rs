@@ -1,5 +1,8 @@
 //! The program on devices that ALSA makes of a pipe: what a card would play can be read there, at a pace of the test's own.
 
+// A failed expectation in a test is its message.
+#![allow(clippy::unwrap_used)]
+
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};

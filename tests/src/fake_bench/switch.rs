@@ -69,7 +69,7 @@ impl Driver {
 /// A switch and the drivers behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switch {
-    /// Its address; zero where there is none.
+    /// Address on the bus; zero for a bench without a switch.
     address: u8,
     /// Byte that was written to it last, as it reads back.
     control: u8,
