@@ -256,12 +256,11 @@ fn a_pipe_that_closes_early_is_said_after_what_came_was_played() {
     assert!(sound == samples[..frames * CHANNELS]);
 }
 
-/// The real stream of a run, which the caller names: `ci/sound` does.
+/// The real stream of a run.
 #[test]
+#[ignore = "PALPATE_SOUND_WAV names the WAV of a run: ci/sound makes one"]
 fn a_run_of_voice_coils_is_played_as_its_file() {
-    let Some(file) = std::env::var_os("PALPATE_SOUND_WAV") else {
-        return;
-    };
+    let file = std::env::var_os("PALPATE_SOUND_WAV").unwrap();
     let card = Card::new("run");
     let wav = fs::read(Path::new(&file)).unwrap();
     let playing = card.plays();
