@@ -1,7 +1,7 @@
 //! The program on devices that ALSA makes of a pipe: what a card would play can be read there, at a pace of the test's own.
 
 // A failed expectation in a test is its message.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -258,9 +258,11 @@ fn a_pipe_that_closes_early_is_said_after_what_came_was_played() {
 
 /// The real stream of a run.
 #[test]
-#[ignore = "PALPATE_SOUND_WAV names the WAV of a run: ci/sound makes one"]
 fn a_run_of_voice_coils_is_played_as_its_file() {
-    let file = std::env::var_os("PALPATE_SOUND_WAV").unwrap();
+    let Some(file) = std::env::var_os("PALPATE_SOUND_WAV") else {
+        println!("skipped: PALPATE_SOUND_WAV names no WAV of a run; ci/sound makes one");
+        return;
+    };
     let card = Card::new("run");
     let wav = fs::read(Path::new(&file)).unwrap();
     let playing = card.plays();
