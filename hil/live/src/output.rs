@@ -175,13 +175,25 @@ pub fn write_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let written = Unfinished::create(path).and_then(|(unfinished, file)| {
+    fn written(path: &Path, content: Content<'_>) -> io::Result<()> {
+        let (unfinished, file) = Unfinished::create(path)?;
         let mut out = io::BufWriter::new(file);
         content(&mut out)?;
         let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
         unfinished.finish(&file)
-    });
-    written.map_err(Failure::written(path))
+    }
+    written(path, &mut once(content)).map_err(Failure::written(path))
+}
+
+/// Content as a function that is not generic takes it. Such a function is compiled once and not once per caller.
+type Content<'c> = &'c mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
+
+/// Content that is written by the first call; later calls write nothing.
+fn once(
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> impl FnMut(&mut dyn Write) -> io::Result<()> {
+    let mut content = Some(content);
+    move |out| content.take().map_or(Ok(()), |write| write(out))
 }
 
 /// An output that is not whole yet. Dropped, its file is gone.
@@ -288,11 +300,13 @@ pub fn note(text: &str) {
 /// # Errors
 /// [`Failure::Write`] for anything else, such as a full disk behind a redirection.
 pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let written = aside(|| {
-        let mut out = io::BufWriter::new(io::stdout().lock());
-        content(&mut out).and_then(|()| out.flush())
-    });
-    match written {
+    fn printed(content: Content<'_>) -> io::Result<()> {
+        aside(|| {
+            let mut out = io::BufWriter::new(io::stdout().lock());
+            content(&mut out).and_then(|()| out.flush())
+        })
+    }
+    match printed(&mut once(content)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::written("standard output")(error))
         }
