@@ -449,10 +449,6 @@ impl Baseline {
         self.restarting
     }
 
-    /// True if the reference follows drift.
-    pub fn follows_drift(&self) -> bool {
-        self.settings.drift.is_some()
-    }
     /// Frames in which a module had no reference because its skin was not at rest.
     pub const fn unrest(&self) -> u32 {
         self.unrest

@@ -4,8 +4,6 @@ use core::f64::consts::{SQRT_2, TAU};
 
 /// Daily exposure from which an employer has to act, m/s2 over eight hours (Directive 2002/44/EC, article 3).
 pub const ACTION_M_S2: f64 = 2.5;
-/// Daily exposure that nobody may pass, m/s2 over eight hours (same article).
-pub const LIMIT_M_S2: f64 = 5.0;
 /// Length of the day that exposures are related to, s.
 const DAY_S: f64 = 8.0 * 3600.0;
 

@@ -55,11 +55,6 @@ impl LraParameters {
         let force = self.force_n_a / self.ohm * peak;
         force / (self.mass_kg * 2.0 * self.damping(true) * self.omega())
     }
-
-    /// Time in which free motion falls to a part e, with a shorted coil, s.
-    pub fn settling_s(&self) -> f64 {
-        1.0 / self.damping(true)
-    }
 }
 
 /// A linear resonant actuator.
