@@ -19,6 +19,14 @@ pub(super) struct Served {
     pub(super) token: Option<String>,
 }
 
+/// Ends a program that its test left running.
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.run.kill();
+        let _ = self.run.wait();
+    }
+}
+
 pub(super) fn served(folder: &Folder, args: &[&str]) -> Served {
     let mut command = command(args, &folder.0);
     let mut run = command
