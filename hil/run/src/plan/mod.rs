@@ -139,20 +139,6 @@ pub fn one_display(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Resul
     ))
 }
 
-/// The motors of a bench; `None` for one of wires.
-///
-/// # Errors
-/// [`Failure::File`] in a page, which has no bench of motors: their code would be a part of its WebAssembly module.
-#[inline(always)]
-pub(crate) fn motors_of(
-    bench: &palpate_files::Loaded<palpate_files::Bench>,
-) -> Result<Option<&palpate_files::BenchHaptics>, Failure> {
-    if cfg!(target_family = "wasm") {
-        return wires_only(bench).map(|()| None);
-    }
-    Ok(bench.value.haptics.as_ref())
-}
-
 /// Refuses a bench of motors.
 ///
 /// # Errors
@@ -382,7 +368,7 @@ pub fn untextured(
     let view = view(setup, skin, display.bounds())?;
 
     let pattern = illusion::pattern(setup)?;
-    if let Some(haptics) = motors_of(&setup.bench)? {
+    if let Some(haptics) = &bench.haptics {
         let plant = Plant {
             prescale: prescale(bench)?,
             ..Plant::default()
