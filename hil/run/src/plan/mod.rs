@@ -139,16 +139,21 @@ pub fn one_display(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Resul
     ))
 }
 
-/// Refuses a bench of motors.
+/// Words for people with motors, where only wires are emulated.
+pub(crate) const NO_WIRES: &str = "`hil run`, `hil emulate` and loops of Python emulate motors";
+
+/// Refuses a bench of motors. `instead` tells people who have one what serves them.
 ///
 /// # Errors
 /// [`Failure::File`] with the line of its motors.
-pub fn wires_only(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Result<(), Failure> {
+pub fn wires_only(
+    bench: &palpate_files::Loaded<palpate_files::Bench>,
+    instead: &str,
+) -> Result<(), Failure> {
     if bench.value.haptics.is_none() {
         return Ok(());
     }
-    let expected =
-        "a bench of wires: motors run scenes (`hil run`, `sweep`, `test`, `study`) and no more";
+    let expected = format!("a bench of wires: {instead}");
     Err(Failure::File(bench.source.bad("haptics", expected)))
 }
 
