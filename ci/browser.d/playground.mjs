@@ -207,6 +207,51 @@ async function choices() {
   await close();
 }
 
+// A bench of motors, touched and on its own scene: nothing of wires is shown, and what is said is of motors.
+async function motors() {
+  for (const [width, height, touch] of [[1280, 1000, false], [390, 844, true]]) {
+    const { page, close } = await open({ width, height, touch });
+    await page.click("summary");
+    await page.selectOption("[name=scene]", "coins-along");
+    await page.waitForFunction(() => palpate.head.bench === "lra-8" && palpate.head.motors);
+    assert(await page.isDisabled("[name=wires]") && await page.isDisabled("[name=observe]"));
+    await page.click("summary");
+    await pass(page, 2.5e6);
+    const met = await felt(page);
+    assert(met?.level > 30 && apart(met.at, met.target) < 1, JSON.stringify(met));
+    assert(await page.isHidden("#panel-warm"));
+    assert.match(await page.innerText("#panel-pulses"), /Bursts of each motor/);
+    assert.doesNotMatch(await page.innerText("#panel-finger"), /wire/i);
+    const used = await page.evaluate(() => palpate.picture.used);
+    assert.deepEqual(used.map(([key]) => key), ["displacement", "coil-heat", "burst", "duty"]);
+    assert(used.every(([, share]) => share >= 0 && share <= 1), JSON.stringify(used));
+    assert(Number.parseFloat(await page.textContent("#used-displacement em")) > 0, "a motor's amplitude is counted");
+    assert.deepEqual(await beyond(page), [], `motors ${width}`);
+    await picture(page, `playground-motors-${width}`);
+    await accessible(page, `playground, motors at ${width}`);
+    // Each other bench of motors opens by itself, under a finger of one's own.
+    await page.click("summary");
+    for (const [bench, count] of [["voice-coil-8", 8], ["lra-grid-4x3", 12]]) {
+      await page.selectOption("[name=scene]", "idle");
+      await page.selectOption("[name=bench]", bench);
+      await page.waitForFunction(bench => palpate.head.bench === bench, bench);
+      assert.equal(await page.evaluate(() => palpate.head.wires_mm.length), count);
+      await page.focus("#pad");
+      await page.keyboard.press(" ");
+      await pass(page, 1e6);
+      const own = await felt(page);
+      assert(own?.level > 20, `${bench}: ${JSON.stringify(own)}`);
+    }
+    await picture(page, `playground-motors-back-${width}`);
+    await page.selectOption("[name=illusion]", "inverse");
+    await page.waitForFunction(() => /a law for motors/.test(document.getElementById("alert").textContent));
+    await page.selectOption("[name=bench]", "emulated");
+    await page.waitForFunction(() => palpate.head.bench === "emulated" && !palpate.head.motors);
+    assert(await page.isVisible("#panel-warm") && await page.isEnabled("[name=wires]"));
+    await close();
+  }
+}
+
 async function badInput() {
   const said = async (options, pattern) => {
     const { page, wrong, close } = await open({ ...options, ready: false });
@@ -311,7 +356,7 @@ async function memory() {
   await close();
 }
 
-for (const check of [twoFingers, mouseAndShare, keyboard, choices, badInput, phone, everywhere, measure, memory]) {
+for (const check of [twoFingers, mouseAndShare, keyboard, choices, motors, badInput, phone, everywhere, measure, memory]) {
   await check();
   console.log(`playground: ${check.name} ok`);
 }

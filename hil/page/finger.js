@@ -42,6 +42,15 @@ export class Finger {
     if (this.felt && picture.now_us - this.felt.at_us > 400000) { this.felt = null; this.trail.length = 0; }
   }
 
+  // Places along a wire, or around a motor's face, mm.
+  outline([wx, wy]) {
+    const size = this.head.wire_mm, parts = this.head.motors ? 16 : 8;
+    return Array.from({ length: parts + 1 }, (_, n) => {
+      const turned = 2 * Math.PI * n / parts;
+      return this.head.motors ? [wx + size / 2 * Math.cos(turned), wy + size / 2 * Math.sin(turned)] : [wx + size * (n / parts - 0.5), wy];
+    });
+  }
+
   glow(wire, now) {
     const { until, part } = this.driven[wire];
     return until < 0 ? 0 : part * Math.max(0, 1 - Math.max(0, now - until) / GLOW);
@@ -82,12 +91,12 @@ export class Finger {
     context.restore();
     context.globalAlpha = 1;
     context.lineCap = "round";
-    this.head.wires_mm.forEach(([wx, wy], i) => {
-      const glow = this.glow(i, picture.now_us), half = this.head.wire_mm / 2;
+    this.head.wires_mm.forEach((place, i) => {
+      const glow = this.glow(i, picture.now_us);
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
       context.lineWidth = (3 + 5 * glow) * unit;
       context.beginPath();
-      context.moveTo(x(wx - half), y(wy)); context.lineTo(x(wx + half), y(wy));
+      for (const [mx, my] of this.outline(place)) context.lineTo(x(mx), y(my));
       context.stroke();
     });
     this.marks(context, picture, ([mx, my]) => [x(mx), y(my), 1], k);
@@ -193,14 +202,14 @@ export class Finger {
     };
     this.surface(context, picture, turn, screen);
     context.lineCap = "round";
-    this.head.wires_mm.forEach(([wx, wy], i) => {
+    this.head.wires_mm.forEach((place, i) => {
       const glow = this.glow(i, picture.now_us);
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
       context.lineWidth = (3.5 + 5 * glow) * unit;
       context.beginPath();
       let down = false;
-      for (let n = 0; n <= 8; n++) {
-        const [px, py, seen] = to([wx + this.head.wire_mm * (n / 8 - 0.5), wy]);
+      for (const at of this.outline(place)) {
+        const [px, py, seen] = to(at);
         if (seen) (down ? context.lineTo(px, py) : context.moveTo(px, py));
         down = Boolean(seen);
       }

@@ -1,6 +1,6 @@
 // What a page says in words and numbers: what is felt, limits, wires, notes.
 import { number } from "palpate/draw.js";
-import { LIMITS, measured } from "palpate/limits.js";
+import { LIMITS, limitsOf, measured } from "palpate/limits.js";
 
 const by = id => document.getElementById(id);
 const make = (tag, about, ...children) => { const element = Object.assign(document.createElement(tag), about); element.append(...children); return element; };
@@ -17,9 +17,13 @@ const dose = (value, text) => (value > 1e6 ? "> 1e6" : text);
 export class Panels {
   open(head) {
     this.head = head;
+    // Half of the axis of levels, dB: motors shake far over threshold.
+    this.level = head.motors ? 60 : 30;
+    [by("level-low").textContent, by("level-high").textContent] = [`-${this.level} dB`, `+${this.level} dB`];
+    document.body.classList.toggle("motors", head.motors);
     this.count = 0;
     Object.assign(this, { worst: {}, since: undefined, late: false });
-    by("used").replaceChildren(...Object.entries(LIMITS).map(([key, name]) => make("li", { id: `used-${key}` }, make("span", { textContent: name }), make("span", { className: "meter" }, make("i"), make("b")), make("em", { textContent: "0 %" }))));
+    by("used").replaceChildren(...limitsOf(head).map(key => make("li", { id: `used-${key}` }, make("span", { textContent: LIMITS[key] }), make("span", { className: "meter" }, make("i"), make("b")), make("em", { textContent: "0 %" }))));
     by("used").classList.remove("both");
     this.feltAt = -Infinity;
     by("lanes").replaceChildren(...head.wires_mm.map((_, i) => make("li", { textContent: i })));
@@ -45,8 +49,8 @@ export class Panels {
     const most = (key, share) => { this.worst[key] = Math.max(this.worst[key] ?? 0, Number.isFinite(share) ? share : 10); };
     for (const [key, share] of picture.used) most(key, share);
     // Pulses are over between two looks at the guard.
-    if (picture.used.length) for (const burst of picture.bursts) most("pulse", burst.ticks / this.head.widest_ticks);
-    for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: wire ${burst.wire} has ${burst.ticks} of ${burst.asked} ticks: ${burst.reason}`);
+    if (picture.used.length && !this.head.motors) for (const burst of picture.bursts) most("pulse", burst.ticks / this.head.widest_ticks);
+    for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: ${this.head.motors ? "motor" : "wire"} ${burst.wire} has ${burst.ticks} of ${burst.asked} ${this.head.motors ? "of its level" : "ticks"}: ${burst.reason}`);
     const felt = picture.felt.at(-1);
     if (felt) this.felt(felt, picture);
     // One felt place is held against one contact: of several there is none.
@@ -66,7 +70,7 @@ export class Panels {
       const text = `${n ? "skin" : "wire"} ${celsius > most[n] ? `over ${most[n]} \u00b0C` : Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;
       if (row.cells[n + 1].textContent !== text) row.cells[n + 1].textContent = text;
     }));
-    if (!picture.used.length && by("used-pulse")) by("used").replaceChildren(make("li", { className: "none", textContent: "not recorded" }));
+    if (!picture.used.length && by("used-burst")) by("used").replaceChildren(make("li", { className: "none", textContent: "not recorded" }));
     const [peak, , omega, cem43] = picture.hottest ?? [], { limits_c } = this.head;
     if (!picture.hottest) set("hottest", this.recorded() ?? (picture.warm.some(w => Number.isFinite(w[1])) ? "as recorded at each stimulus" : "nothing measures temperatures on this bench"));
     else set("hottest", `hottest skin ${peak <= most[1] ? number(peak, 1) : `over ${most[1]}`} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${dose(omega, omega.toExponential(1))}, CEM43 ${dose(cem43, number(cem43, 2))} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
@@ -97,7 +101,7 @@ export class Panels {
   summary(rows) {
     if (!rows.length || by("used").classList.contains("both")) return;
     this.late = !(this.since < LATE_US);
-    for (const key of Object.keys(LIMITS)) {
+    for (const key of limitsOf(this.head)) {
       by(`used-${key}`)?.append(make("em", { textContent: measured(key, rows) ?? "\u2013" }));
       if (this.late && by(`used-${key}`)) by(`used-${key}`).querySelector("em").textContent = "\u2013";
     }
@@ -110,8 +114,8 @@ export class Panels {
     const known = this.head.source !== "real" && fingers.length + spheres.filter(sphere => sphere[2] > 0).length === 1;
     this.feltAt = at_us;
     set("felt-from", known ? "From the true place" : "From the contact");
-    const met = Boolean(at_mm), reached = met && level_db >= 0, mark = by("level-mark"), band = by("level-band"), x = v => `${Math.min(100, Math.max(0, (v + 30) / 0.6))}%`;
-    set("felt-place", reached ? `(${number(at_mm[0], 1)}, ${number(at_mm[1], 1)}) mm${tap ? ", a tap" : ""}` : met ? "not felt: below threshold" : "not felt: no wire moved");
+    const met = Boolean(at_mm), reached = met && level_db >= 0, mark = by("level-mark"), band = by("level-band"), x = v => `${Math.min(100, Math.max(0, 50 + 50 * v / this.level))}%`;
+    set("felt-place", reached ? `(${number(at_mm[0], 1)}, ${number(at_mm[1], 1)}) mm${tap ? ", a tap" : ""}` : met ? "not felt: below threshold" : "not felt: nothing moved");
     set("felt-error", reached ? `${number(Math.hypot(at_mm[0] - target_mm[0], at_mm[1] - target_mm[1]), 2)} mm` : "\u2013");
     set("felt-level", met ? db(level_db) : "\u2013");
     set("felt-band", band_db ? `${number(band_db[0], 1)} to ${db(band_db[1])}` : "\u2013");

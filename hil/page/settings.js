@@ -21,6 +21,7 @@ export class Settings {
       }
       if (event.target.name === "bench") for (const field of ["display", "wires"]) this.fields[field].value = "";
       this.text = null;
+      this.fit();
       change();
     });
     form.addEventListener("submit", event => event.preventDefault());
@@ -36,6 +37,14 @@ export class Settings {
       const found = set.find(each => each.startsWith(`${key}=`));
       this.fields[field].value = found ? found.slice(key.length + 1) : "";
     }
+    this.fit();
+  }
+
+  // Motors have neither wires to choose nor a guard that only looks on.
+  fit() {
+    const { wires, observe, bench } = this.fields, motors = Boolean(this.shelves.benches.find(offer => offer.name === bench.value)?.motors);
+    wires.disabled = observe.disabled = motors;
+    if (motors) [wires.value, observe.checked] = ["", false];
   }
 
   // The same of another version's session, whose bench may be gone.

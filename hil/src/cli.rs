@@ -30,8 +30,8 @@ pub use contacts::{ContactsArgs, StaleArg};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
-    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire,
-    SagState, Shelf,
+    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewMotors, NewProtocol, NewScene,
+    NewWire, SagState, Shelf,
 };
 pub use hardware::{
     DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, PulseArgs, RecordArgs, ReplayArgs,

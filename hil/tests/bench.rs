@@ -35,6 +35,8 @@ mod ledger;
 mod model;
 #[path = "bench/motors.rs"]
 mod motors;
+#[path = "bench/motors_out.rs"]
+mod motors_out;
 #[path = "bench/names.rs"]
 mod names;
 #[path = "bench/off.rs"]

@@ -274,6 +274,34 @@ impl Guard {
         })
     }
 
+    /// Used share of each limit of motors at `now`, the worst of all of them: its reason's word and the share; `None` for a guard
+    /// of wires. A burst that is not over yet counts as over.
+    pub fn motors_used(&self, now: Instant) -> Option<[(&'static str, f64); 4]> {
+        let motors = self.motors.as_ref()?;
+        let (l, saved_s) = (&motors.limits, motors.limits.saved_s());
+        let [mut travel, mut burst, mut duty] = [0.0_f64; 3];
+        for (index, motor) in self.wires.iter().enumerate() {
+            let level = motor.now.map_or(0, |running| running.setting.width());
+            travel = travel.max(l.volts(Ticks::new(level)) * l.travel_um_v / l.travel_um);
+            let own = self.burst_at(index, now);
+            let most = self.latest(&own).since(own.start).as_secs_f64();
+            burst = burst.max(own.until(now).since(own.start).as_secs_f64() / most);
+            // With a duty that saves nothing up, any time on is all there is.
+            duty = match saved_s > 0.0 {
+                true => duty.max(1.0 - motors.left_s(index, now) / saved_s),
+                false => 1.0,
+            };
+        }
+        let reasons = [
+            Reason::Displacement,
+            Reason::CoilHeat,
+            Reason::Burst,
+            Reason::Duty,
+        ];
+        let shares = [travel, self.coil_rise_k(now) / l.rise_k, burst, duty];
+        Some(core::array::from_fn(|n| (reasons[n].word(), shares[n])))
+    }
+
     /// Passes stimuli for the motors of one board, together, as [`Self::admit`] does for wires. `None` from a guard of wires.
     pub fn admit_vibration(
         &mut self,

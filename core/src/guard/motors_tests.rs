@@ -347,6 +347,45 @@ proptest! {
 }
 
 #[test]
+fn the_used_share_of_every_limit_is_that_of_the_arithmetic() {
+    let limits = MotorLimits {
+        travel_um: 200.0,
+        rise_k: 10.0,
+        ..EASY
+    };
+    let mut guard = guard(limits);
+    let used = |guard: &Guard, at: Instant| guard.motors_used(at).unwrap();
+    let rest = [
+        ("displacement", 0.0),
+        ("coil-heat", 0.0),
+        ("burst", 0.0),
+        ("duty", 0.0),
+    ];
+    assert_eq!(used(&guard, ms(0)), rest);
+    // Half of 2 V is 50 um. Coil: 5 K/V2 times (1 V)2 for 250 ms and (3 V)2 for 20 ms of 10 s. Duty: of 0.8 s saved up,
+    // 250 ms are spent and 100 ms come back meanwhile.
+    one(&mut guard, 2048, ms(1000), ms(1250));
+    let shares = used(&guard, ms(1250)).map(|(_, share)| share);
+    let coil_k = 5.0 * (1.0 - (-0.025_f64).exp()) + 45.0 * (1.0 - (-0.002_f64).exp());
+    // A burst ends earlier by what its end may be late.
+    let burst = 0.25
+        / guard
+            .latest(&guard.burst_at(0, ms(1000)))
+            .since(ms(1000))
+            .as_secs_f64();
+    let wanted = [0.25, coil_k / 10.0, burst, 0.15 / 0.8];
+    for (share, wanted) in shares.into_iter().zip(wanted) {
+        assert!((share - wanted).abs() < 1e-9, "{shares:?}");
+    }
+    assert!((0.5..0.51).contains(&burst), "{burst}");
+    let off = guard.expire_vibration(ms(1250), Board(0)).unwrap();
+    guard.confirm_vibration(&off, ms(1250));
+    for (_, share) in used(&guard, ms(600_000)) {
+        assert!(share < 1e-9, "{share}");
+    }
+}
+
+#[test]
 fn motors_of_an_unknown_past_begin_at_their_limits_and_are_as_new_a_while_later() {
     let tight = MotorLimits {
         rise_k: 10.0,

@@ -5,7 +5,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
-use palpate_run::{Activations, EmulatedSession, Failure, Hand, Turn, Wish, header, plan};
+use palpate_run::wires::EmulatedDisplay;
+use palpate_run::{
+    Activations, EmulatedEnd, EmulatedMotors, Failure, Hand, Live, SessionOn, Turn, Wish, header,
+    plan,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -18,7 +22,7 @@ use crate::tables::About;
 
 /// The session behind a loop.
 struct Held {
-    session: EmulatedSession,
+    session: Box<dyn Live>,
     /// The hand on each module of an emulated skin; none where readings are pushed.
     hands: Option<Vec<Hand>>,
 }
@@ -68,11 +72,7 @@ fn closed() -> Failure {
 }
 
 /// Takes a turn. The error is the failure that ended the loop before its time.
-fn turn(
-    session: &mut EmulatedSession,
-    now: Option<Instant>,
-    until: Instant,
-) -> Result<(), Failure> {
+fn turn(session: &mut dyn Live, now: Option<Instant>, until: Instant) -> Result<(), Failure> {
     let turned = match now {
         Some(now) => session.turn(now)?,
         None => session.advance(until)?,
@@ -90,15 +90,13 @@ impl State {
         self.held.as_deref().ok_or_else(closed)
     }
 
-    fn session(&mut self) -> Result<&mut EmulatedSession, Failure> {
+    fn session(&mut self) -> Result<&mut dyn Live, Failure> {
         let held = self.held.as_deref_mut().ok_or_else(closed)?;
-        Ok(&mut held.session)
+        Ok(&mut *held.session)
     }
 
     fn grant(&mut self, wish: Wish) -> Result<Happened, Failure> {
-        let session = self.session()?;
-        let now = session.now();
-        session.grant(wish, now);
+        self.session()?.grant(wish);
         self.happened()
     }
 
@@ -229,21 +227,19 @@ impl State {
 
     /// Scores the newest onset by its sensation until now. Later sensation is never reported for it.
     fn conclude(&mut self) -> Result<(), Failure> {
-        let (display, projector, recorder) = self.session()?.all();
-        display.score(projector, recorder);
+        self.session()?.score();
         Ok(())
     }
 
     /// Change of every taxel from its reference, counts; NaN for one that is left out. Empty before the first frame.
     fn changes(&self) -> Result<Vec<f32>, Failure> {
-        let (_, recorder) = self.held()?.session.seen();
-        Ok(recorder.counts.clone().unwrap_or_default())
+        Ok(self.held()?.session.counts().to_vec())
     }
 
     /// Begins pictures for a page, or begins them anew. Returns the head, JSON.
     fn show(&mut self) -> Result<String, Failure> {
         let held = self.held.as_mut().ok_or_else(closed)?;
-        let shown = Shown::new(&self.setup, self.seed, &mut held.session)?;
+        let shown = Shown::new(&self.setup, self.seed, &mut *held.session)?;
         let head = shown.head();
         self.shown = Some(Box::new(shown));
         head
@@ -253,19 +249,38 @@ impl State {
         let shown = self.shown.as_mut();
         let shown = shown.ok_or_else(|| input("Loop: expected a page, found none"))?;
         let held = self.held.as_ref().ok_or_else(closed)?;
-        shown.picture(&held.session)
+        shown.picture(&*held.session)
     }
 
     fn temperatures(&mut self) -> Result<Vec<(f64, f64)>, Failure> {
-        let wires = self.wires.len();
-        let worn = self.session()?.display().hardware();
-        let of = |wire| {
-            let missing = || Failure::Device(format!("the display has no wire {wire}"));
-            let wire_c = worn.wire_c(wire).ok_or_else(missing)?;
-            Ok((wire_c, worn.tissue_c(wire).ok_or_else(missing)?))
+        let motors = || {
+            input("Loop.temperatures: expected a bench of wires, found motors, which heat no skin")
         };
-        (0..wires).map(of).collect()
+        let warm = self.session()?.warmth_c().ok_or_else(motors)?;
+        Ok(warm.into_iter().map(|[wire, skin]| (wire, skin)).collect())
     }
+}
+
+/// A session that is open, the hands on its skin, and its activations from outside.
+type Opened = (Box<dyn Live>, Option<Vec<Hand>>, Option<Activations>);
+
+/// Opens a session on a display of this kind, fed or under hands (`emulated`), with the scene's illusion or another one's
+/// (`activated`).
+fn opened<D: EmulatedEnd + Send + 'static>(
+    setup: &palpate_files::Setup,
+    seed: u64,
+    (emulated, activated): (bool, bool),
+) -> Result<Opened, Failure> {
+    if !emulated {
+        let session = SessionOn::<D>::fed(setup, seed)?;
+        return Ok((Box::new(session), None, None));
+    }
+    if activated {
+        let (session, hands, own) = SessionOn::<D>::activated(setup, seed)?;
+        return Ok((Box::new(session), Some(hands), Some(own)));
+    }
+    let (session, hands) = SessionOn::<D>::touched(setup, seed)?;
+    Ok((Box::new(session), Some(hands), None))
 }
 
 impl Loop {
@@ -321,18 +336,12 @@ impl Loop {
     ) -> PyResult<Self> {
         let setup = setup.get().inner.clone();
         free(py, || {
-            let mut own = None;
             let taxels = taxels(&plan::layout(&setup.sensor.value)?);
-            let (mut session, hands) = if !emulated {
-                (EmulatedSession::fed(&setup, seed)?, None)
-            } else if activated {
-                let (session, hands, activations) = EmulatedSession::activated(&setup, seed)?;
-                own = Some(activations);
-                (session, Some(hands))
-            } else {
-                let (session, hands) = EmulatedSession::touched(&setup, seed)?;
-                (session, Some(hands))
+            let open = match setup.bench.value.haptics {
+                None => opened::<EmulatedDisplay>,
+                Some(_) => opened::<EmulatedMotors>,
             };
+            let (mut session, hands, own) = open(&setup, seed, (emulated, activated))?;
             let started = session.start(Instant::ZERO);
             let ready = started.map_err(|e| Failure::Device(e.to_string()))?;
             let header = header(&setup, seed, session.projector())?;

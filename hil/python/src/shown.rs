@@ -2,8 +2,8 @@
 
 use palpate_files::Setup;
 use palpate_records::trace::Event;
-use palpate_run::picture::{Head, Painter, State};
-use palpate_run::{EmulatedSession, Failure, header};
+use palpate_run::picture::{Head, Painter};
+use palpate_run::{Failure, Live, header};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -25,9 +25,9 @@ fn json<T: Serialize>(told: &T) -> Result<String, Failure> {
 
 impl Shown {
     /// Begins pictures from now on.
-    pub fn new(setup: &Setup, seed: u64, session: &mut EmulatedSession) -> Result<Self, Failure> {
+    pub fn new(setup: &Setup, seed: u64, session: &mut dyn Live) -> Result<Self, Failure> {
         let header = header(setup, seed, session.projector())?;
-        session.recorder().counts.get_or_insert_default();
+        session.keep_counts();
         Ok(Self {
             head: Head::new(setup, &header, session.projector()),
             painter: Painter::new(setup, &header, session.projector()),
@@ -53,11 +53,10 @@ impl Shown {
     }
 
     /// Picture of the events since the last one and of the state now, as JSON.
-    pub fn picture(&mut self, session: &EmulatedSession) -> Result<String, Failure> {
-        let now = session.now();
-        let (_, recorder, look) = session.look();
-        let state: State = look.state(self.painter.wants(now.as_micros()));
-        let counts = recorder.counts.as_deref().unwrap_or_default();
+    pub fn picture(&mut self, session: &dyn Live) -> Result<String, Failure> {
+        let now_us = session.now().as_micros();
+        let state = session.state(self.painter.wants(now_us));
+        let counts = session.counts();
         let mut picture = self.painter.picture(&self.waiting, counts, state);
         self.waiting.clear();
         picture.dropped = std::mem::take(&mut self.dropped);

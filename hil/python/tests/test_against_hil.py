@@ -21,10 +21,13 @@ TIMES = ("date", "wall_s", "frame_us")
         ("two-finger-press", ["--bench", "thesis", "--seed", "5"], {"bench": "thesis", "seed": 5}),
         (
             "sphere-along",
-            ["--set", "illusion.model=balanced", "--set", "bench.drive.current_ma=900", "--observe"],
-            {"set": {"illusion.model": "balanced", "bench.drive.current_ma": 900}, "observe": True},
+            ["--set", "illusion.model=balanced", "--set", "bench.drive.current_ma=820", "--observe"],
+            {"set": {"illusion.model": "balanced", "bench.drive.current_ma": 820}, "observe": True},
         ),
         ("ten-fingers", ["--bench", "ten-fingers"], {"bench": "ten-fingers"}),
+        ("sphere-along", ["--bench", "lra-8"], {"bench": "lra-8"}),
+        ("coils-circle", [], {}),
+        ("back-circle", [], {}),
     ],
 )
 def test_records_and_summary_are_the_programs(

@@ -42,6 +42,14 @@ def test_a_scene_is_a_test(pytester: pytest.Pytester) -> None:
     assert not (pytester.path / "goldens").exists(), "only an update writes goldens"
 
 
+def test_a_scene_on_motors_is_a_test_with_goldens(pytester: pytest.Pytester) -> None:
+    write(pytester, SCENE.replace("\n[[touches]]", "wants = \"lra-8\"\n\n[[touches]]", 1))
+    pytester.runpytest_subprocess("--palpate-update").assert_outcomes(passed=1)
+    golden = pytester.path / "goldens/press.scene@lra-8.schedule.snap"
+    assert "bench lra-8" in golden.read_text()
+    pytester.runpytest_subprocess().assert_outcomes(passed=1)
+
+
 def test_an_expectation_that_fails_is_a_failure_in_the_words_of_hil(pytester: pytest.Pytester) -> None:
     write(pytester, SCENE.replace("contacts_max = 1", "contacts_max = 0"))
     done = pytester.runpytest_subprocess()

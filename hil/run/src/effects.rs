@@ -118,9 +118,7 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
 
 /// Does a fault to a motor, its driver or what is before it, or mends it.
 pub(super) fn on_motor(bench: &mut Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
-    // A page has no bench of motors.
-    let is_page = cfg!(target_family = "wasm");
-    let display = bench.display.as_mut().filter(|_| !is_page);
+    let display = bench.display.as_mut();
     let Some(motors) = display.and_then(|d| d.motors.as_deref_mut()) else {
         return;
     };

@@ -12,7 +12,8 @@ use crate::display_end::DisplayEnd;
 use crate::failure::Failure;
 use crate::motors::EmulatedMotors;
 use crate::pass::{self, PassEnd};
-use crate::recorder::milli_c;
+use crate::policy::refuse_hardware;
+use crate::recorder::{Recorder, milli_c};
 use crate::summary::Summary;
 use crate::summary_felt::AskedLevel;
 use crate::wires::EmulatedDisplay;
@@ -20,6 +21,22 @@ use crate::{band, margins, plan};
 
 /// A display end whose hardware is emulated, at the end of a run.
 pub trait EmulatedEnd: DisplayEnd {
+    /// A setup's display with nothing started yet.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a bench that cannot be, one of hardware, or one with other actuators.
+    fn at_rest(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure>
+    where
+        Self: Sized;
+
+    /// Scores the newest onset by its sensation until now; otherwise its successor scores it.
+    fn score(&mut self, projector: &Projector, recorder: &mut Recorder);
+
+    /// Each wire and the skin 0.1 mm under it, degrees C; `None` for motors, which heat no skin.
+    fn warmth_c(&mut self) -> Option<Vec<[f64; 2]>> {
+        None
+    }
+
     /// Ledger of a run of this length, and temperatures over time.
     fn ledger(&mut self, limits: &Limits, length: Instant) -> (Ledger, Vec<Warmth>);
 
@@ -37,6 +54,20 @@ pub trait EmulatedEnd: DisplayEnd {
 }
 
 impl EmulatedEnd for EmulatedDisplay {
+    fn at_rest(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
+        Self::new(setup, projector, seed)
+    }
+
+    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+        self.score(projector, recorder);
+    }
+
+    fn warmth_c(&mut self) -> Option<Vec<[f64; 2]>> {
+        let worn = self.hardware();
+        let look = |wire| Some([worn.wire_c(wire)?, worn.tissue_c(wire)?]);
+        Some((0..).map_while(look).collect())
+    }
+
     fn ledger(&mut self, limits: &Limits, length: Instant) -> (Ledger, Vec<Warmth>) {
         let (samples, currents) = self.take_samples();
         let totals = self.hardware().totals();
@@ -88,6 +119,18 @@ impl EmulatedEnd for EmulatedDisplay {
 }
 
 impl EmulatedEnd for EmulatedMotors {
+    fn at_rest(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
+        let bench = &setup.bench.value;
+        refuse_hardware(bench)?;
+        let none = || Failure::File(setup.bench.source.bad("haptics", "a bench of motors"));
+        let haptics = bench.haptics.as_ref().ok_or_else(none)?;
+        Self::new(setup, haptics, projector, seed)
+    }
+
+    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+        self.score(projector, recorder);
+    }
+
     fn ledger(&mut self, _limits: &Limits, length: Instant) -> (Ledger, Vec<Warmth>) {
         let mut margins = self.margins();
         sort(&mut margins);

@@ -58,7 +58,8 @@ pub fn frequencies(low: f64, high: f64, count: usize) -> Vec<f64> {
 /// # Errors
 /// [`Failure::Input`] for a wire or person that cannot be, and a frequency at which the current would never pause.
 pub fn frequency_response(setup: &Setup, hz: &[f64]) -> Result<Vec<ResponsePoint>, Failure> {
-    plan::wires_only(&setup.bench)?;
+    let instead = "a motor shakes at its own frequency; `hil run` and `hil sweep` show its level";
+    plan::wires_only(&setup.bench, instead)?;
     hz.iter().map(|&hz| point(setup, hz)).collect()
 }
 

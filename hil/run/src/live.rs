@@ -4,6 +4,7 @@
 //! days stays as large as it is.
 
 use palpate_core::contact::{Contact, Levels};
+use palpate_core::driver::DriverError;
 use palpate_core::projector::{ForeignContacts, Projector};
 use palpate_core::skin::{ModuleScan, ScanError};
 use palpate_core::units::{Duration, Instant};
@@ -13,29 +14,34 @@ use palpate_records::trace::Event;
 
 use crate::activations::{self, Activations};
 use crate::display_end::DisplayEnd;
+use crate::emulated_end::EmulatedEnd;
 use crate::failure::Failure;
 use crate::fingers::Fingers;
 use crate::hand::Hand;
 use crate::levels::dynamic_levels;
 use crate::loops::build;
+use crate::picture::{State, Wants};
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::passed;
-use crate::session::Session;
+use crate::session::{Session, Turn};
 use crate::skin::EmulatedSkin;
 use crate::skin_end::{Elsewhere, SkinEnd};
 use crate::wires::EmulatedDisplay;
+use crate::wish::Wish;
 use crate::{plan, skin};
 
 /// Events that wait to be drained at most: a minute or two of touches, 6 MB.
 const MOST_EVENTS: usize = 1 << 16;
 
-/// A session between an emulated skin, or readings that are pushed, and an emulated display.
-pub type EmulatedSession = Session<EmulatedSkin, EmulatedDisplay>;
+/// A session between an emulated skin, or readings that are pushed, and an emulated display of any kind.
+pub type SessionOn<D> = Session<EmulatedSkin, D>;
+/// Such a session on wires.
+pub type EmulatedSession = SessionOn<EmulatedDisplay>;
 /// A session that contacts are handed to, on a display of any kind.
 pub type HeldSession<D = EmulatedDisplay> = Session<Elsewhere, D>;
 
-impl EmulatedSession {
+impl<D: EmulatedEnd> SessionOn<D> {
     /// A setup's scene with its touches and faults, run by the policy of any bench.
     ///
     /// # Errors
@@ -134,12 +140,141 @@ impl EmulatedSession {
         (skin, truth): (EmulatedSkin, Truth),
         policy: Policy,
     ) -> Result<Self, Failure> {
-        let display = EmulatedDisplay::new(setup, &projector, seed)?;
+        let display = D::at_rest(setup, &projector, seed)?;
         let mut recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         recorder.begin(setup);
         let mut session = Self::new(projector, (skin, display), policy, recorder, None);
         session.plan_passes(setup);
         Ok(session)
+    }
+}
+
+/// A session on an emulated display, for a holder that serves benches of wires and of motors alike.
+pub trait Live: Send {
+    /// Starts as [`Session::start`] does.
+    ///
+    /// # Errors
+    /// A board that does not answer.
+    fn start(&mut self, now: Instant) -> Result<Instant, DriverError>;
+
+    /// Takes a turn as [`Session::turn`] does.
+    ///
+    /// # Errors
+    /// An emulator that contradicts itself.
+    fn turn(&mut self, now: Instant) -> Result<Turn, Failure>;
+
+    /// Takes the turns before `until` as [`Session::advance`] does.
+    ///
+    /// # Errors
+    /// An emulator that contradicts itself.
+    fn advance(&mut self, until: Instant) -> Result<Turn, Failure>;
+
+    /// Takes one module's scan as [`EmulatedSession::push`] does.
+    ///
+    /// # Errors
+    /// A scan that is not of the setup's layout.
+    fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError>;
+
+    /// Grants a wish now, or refuses it; the trace says which.
+    fn grant(&mut self, wish: Wish);
+
+    /// Scores the newest onset by its sensation until now; later sensation is never reported for it.
+    fn score(&mut self);
+
+    /// Switches everything off, and waits until that has taken effect.
+    ///
+    /// # Errors
+    /// A bus that does not take it; an emulator that contradicts itself.
+    fn end(&mut self, at: Instant) -> Result<(), Failure>;
+
+    /// Takes the failure that ended the session or will end it.
+    fn take_failure(&mut self) -> Option<Failure>;
+
+    /// Takes the events since the last time, and the number of those before them that were dropped.
+    fn drain(&mut self) -> (Vec<Event>, u64);
+
+    /// Time of the newest turn.
+    fn now(&self) -> Instant;
+
+    /// The loop.
+    fn projector(&self) -> &Projector;
+
+    /// Readings of all taxels, raw counts; empty until [`Self::keep_counts`] and the first frame.
+    fn counts(&self) -> &[f32];
+
+    /// Keeps the readings of all taxels from now on.
+    fn keep_counts(&mut self);
+
+    /// State now, with the parts that are wanted.
+    fn state(&self, wants: Wants) -> State;
+
+    /// Each wire and the skin under it now, degrees C; `None` for motors, which heat no skin.
+    fn warmth_c(&mut self) -> Option<Vec<[f64; 2]>>;
+}
+
+impl<D: EmulatedEnd + Send> Live for SessionOn<D> {
+    fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
+        self.start(now)
+    }
+
+    fn turn(&mut self, now: Instant) -> Result<Turn, Failure> {
+        self.turn(now)
+    }
+
+    fn advance(&mut self, until: Instant) -> Result<Turn, Failure> {
+        self.advance(until)
+    }
+
+    fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
+        self.push(scan)
+    }
+
+    fn grant(&mut self, wish: Wish) {
+        self.grant(wish, self.now());
+    }
+
+    fn score(&mut self) {
+        let (display, projector, recorder) = self.all();
+        display.score(projector, recorder);
+    }
+
+    fn end(&mut self, at: Instant) -> Result<(), Failure> {
+        let off = self.switch_off(at);
+        off.map_err(|e| Failure::Device(e.to_string()))?;
+        let (display, projector, recorder) = self.all();
+        display.settle(at, projector, recorder)
+    }
+
+    fn take_failure(&mut self) -> Option<Failure> {
+        self.take_failure()
+    }
+
+    fn drain(&mut self) -> (Vec<Event>, u64) {
+        self.drain()
+    }
+
+    fn now(&self) -> Instant {
+        self.now()
+    }
+
+    fn projector(&self) -> &Projector {
+        self.projector()
+    }
+
+    fn counts(&self) -> &[f32] {
+        self.seen().1.counts.as_deref().unwrap_or_default()
+    }
+
+    fn keep_counts(&mut self) {
+        self.recorder().counts.get_or_insert_default();
+    }
+
+    fn state(&self, wants: Wants) -> State {
+        self.look().2.state(wants)
+    }
+
+    fn warmth_c(&mut self) -> Option<Vec<[f64; 2]>> {
+        self.display().warmth_c()
     }
 }
 

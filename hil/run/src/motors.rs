@@ -114,7 +114,7 @@ impl MotorReport {
 }
 
 /// Drivers and motors on a person's finger.
-pub(crate) struct EmulatedMotors {
+pub struct EmulatedMotors {
     worn: WornMotors,
     i2c: Shared<I2cHandle>,
     driver: MotorDriver,
@@ -207,7 +207,7 @@ impl EmulatedMotors {
         passed.map_err(|e| Failure::Device(e.to_string()))
     }
 
-    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+    pub(crate) fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt: Option<Felt> = self.worn.onset();
         let pending = self.pending.take();
         feel(pending, felt, projector, &self.full, recorder, None);

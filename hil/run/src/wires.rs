@@ -94,7 +94,7 @@ impl EmulatedDisplay {
     ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
-        plan::wires_only(&setup.bench)?;
+        plan::wires_only(&setup.bench, plan::NO_WIRES)?;
         refuse_observed(setup)?;
         let wires = projector.display().wires();
         let (mut display, i2c) = match bus {

@@ -134,6 +134,17 @@ pub enum Motion {
     None,
 }
 
+/// Kinds of a new bench's motors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NewMotors {
+    /// Linear resonant actuators behind DRV2605L drivers, all behind TCA9548A switches.
+    Lra,
+    /// Eccentric rotating masses behind such drivers.
+    Erm,
+    /// Voice coils on the channels of a sound card.
+    VoiceCoil,
+}
+
 /// Options of `hil new scene`.
 #[derive(Debug, Args)]
 pub struct NewScene {
@@ -161,6 +172,9 @@ pub struct NewBench {
     /// Wire: a built-in name or a file (default: final-75um).
     #[arg(long, value_name = "NAME|FILE")]
     pub wire: Option<String>,
+    /// Motors in place of wires.
+    #[arg(long, value_enum, value_name = "KIND", conflicts_with_all = ["wire", "current_ma", "supply_limit_ma"])]
+    pub motors: Option<NewMotors>,
     /// Current through a wire that is on, mA (default: 990).
     #[arg(long, value_name = "MA", value_parser = positive, allow_hyphen_values = true)]
     pub current_ma: Option<f64>,

@@ -122,7 +122,8 @@ fn subject(args: &IdentifyArgs) -> Result<Subject, Failure> {
     }
     // A wire needs no scene, but a bench is checked with one.
     let setup = Setup::load("idle", &args.bench)?.with(&overrides)?;
-    plan::wires_only(&setup.bench)?;
+    let instead = "a motor's trace fits no wire; state `resonance_hz`, `quality`, `ohm` and `full_v` of its data sheet in [haptics]";
+    plan::wires_only(&setup.bench, instead)?;
     Ok(Subject {
         wire: plan::wire(&setup),
         tissue: setup.bench.value.tissue.parameters(),

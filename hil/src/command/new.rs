@@ -1,5 +1,7 @@
 //! `hil new`: a commented file with the values that differ from the defaults.
 
+mod motors;
+
 use std::fmt::Write as _;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -271,6 +273,9 @@ fn bench(args: &NewBench) -> Result<String, Failure> {
             "--display {display}: expected a layout of kind \"display\", found a sensor"
         )));
     };
+    if let Some(kind) = args.motors {
+        return motors::bench(args, kind, (&display, wires.wires_mm.len()));
+    }
     let known = |name: &str| {
         let read = load_wire(name).map_err(|error| error.to_string());
         read.map(|_| name.to_owned())

@@ -228,7 +228,7 @@ impl Conducting<'_> {
             return Ok(());
         };
         let (done, all) = self.session.progress();
-        let rows = self.player.used(self.now_ms())?.rows();
+        let rows = self.player.used(self.now_ms())?;
         let about = self.writing.record.as_ref().map(|record| &record.about);
         let void = self
             .writing

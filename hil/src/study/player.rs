@@ -1,13 +1,13 @@
 //! Plays what a trial plays, and remembers what the wearer had.
 
 use palpate_core::contact::Levels;
-use palpate_core::guard::{Booked, Memory, Used};
+use palpate_core::guard::{Booked, Memory};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::Trace;
-use palpate_run::{Failure, Input, Keep, build, pass};
+use palpate_run::{Failure, Input, Keep, build, pass, picture};
 use palpate_study::{Interval, Sensed, Stimulus};
 
 use super::rehearsal::{Rehearsals, bursts, path, sensed};
@@ -246,11 +246,11 @@ impl Player {
     ///
     /// # Errors
     /// [`Failure`] of a bench that has no guard.
-    pub fn used(&self, now_ms: u64) -> Result<Used, Failure> {
+    pub fn used(&self, now_ms: u64) -> Result<Vec<(&'static str, f64)>, Failure> {
         let mut setup = self.stimuli.emulated(&Stimulus::Silence)?;
         setup.memory = Some(self.memory(Instant::from_micros(now_ms.saturating_mul(1000))));
         let projector = build(&setup, 1, Levels::Off)?;
-        Ok(projector.guard().used(Instant::ZERO))
+        Ok(picture::used(projector.guard(), Instant::ZERO))
     }
 }
 

@@ -33,7 +33,7 @@ fn killed_while_the_bus_fails(bench: &Bench, run: &Run<'_>, hold_up: impl FnOnce
 }
 
 /// The writing end of a pipe that takes nothing more, and its other end.
-fn full_pipe() -> (std::io::PipeReader, std::io::PipeWriter) {
+pub fn full_pipe() -> (std::io::PipeReader, std::io::PipeWriter) {
     let (reader, mut writer) = std::io::pipe().unwrap();
     fcntl(&writer, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).unwrap();
     for size in [4096, 1] {

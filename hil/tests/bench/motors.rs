@@ -12,14 +12,14 @@ use crate::rig::{Bench, OFF_MS, now_ns, on_bench};
 use crate::run::{Run, Said};
 
 /// Time that a command is given to end.
-const END: Duration = Duration::from_secs(12);
+pub const END: Duration = Duration::from_secs(12);
 /// Silence after which a guardian takes a run as hung, of benches that do not say it.
 const HEARTBEAT_MS: f64 = 30.0;
 /// Time that a run has to bring a dead bus back.
 const GIVE_UP: Duration = Duration::from_secs(8);
 
 /// A test on a bench of eight motors behind a switch at 0x70.
-fn on_motors(test: impl Fn(&Bench)) {
+pub fn on_motors(test: impl Fn(&Bench)) {
     on_bench(1, |bench| {
         bench.adapters[0].put_motors(Switch::new(0x70, 8));
         fs::write(bench.path("motors.toml"), text(bench)).unwrap();
@@ -43,7 +43,7 @@ fn text(bench: &Bench) -> String {
 }
 
 /// A scene of that length: a sphere rests between two motors.
-fn scene(bench: &Bench, length_s: f64) -> String {
+pub fn scene(bench: &Bench, length_s: f64) -> String {
     let text = crate::feed::scene(length_s);
     let (before, after) = text.split_once("[illusion]\n").unwrap();
     let (_, touches) = after.split_once("[[touches]]").unwrap();

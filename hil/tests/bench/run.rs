@@ -138,6 +138,11 @@ impl<'a> Run<'a> {
         is_soon(limit, || self.ended().is_some())
     }
 
+    /// Words on its standard error so far.
+    pub fn told(&self) -> String {
+        self.texts().1
+    }
+
     fn texts(&self) -> (String, String) {
         let text = |path: &Path| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();
         (text(&self.out), text(&self.err))

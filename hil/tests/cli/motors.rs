@@ -47,6 +47,9 @@ fn records_of_motors_name_levels_and_motors() {
 
 #[test]
 fn what_is_of_wires_refuses_motors_in_a_sentence() {
+    let folder = Folder::new("motors-refused");
+    let trace = "displacement_um,current_a\n0,0\n1,1\n2,1\n";
+    fs::write(folder.path("trace.csv"), trace).unwrap();
     for (arguments, words) in [
         (
             &[
@@ -67,13 +70,35 @@ fn what_is_of_wires_refuses_motors_in_a_sentence() {
             &["run", "texture-wood", "--bench", "lra-8"],
             "a texture is made of a wire's pulses",
         ),
-        (&["calibrate", "lra-8"], "expected a bench of wires"),
+        (
+            &["calibrate", "lra-8"],
+            "expected a bench of wires: no evidence on motors is published; `hil sweep",
+        ),
+        (
+            &[
+                "identify",
+                "trace.csv",
+                "--bench",
+                "lra-8",
+                "--rate",
+                "1000",
+            ],
+            "expected a bench of wires: a motor's trace fits no wire; state",
+        ),
+        (
+            &["emulate", "--bench", "voice-coil-8", "--scene", "idle"],
+            "expected motors behind drivers on a bus, found voice coils on a sound card",
+        ),
+        (
+            &["emulate", "--bench", "lra-8", "--scene", "idle", "--oe"],
+            "expected no --oe: drivers of motors have no line",
+        ),
         (
             &["design", "--response", "lra-8"],
-            "expected a bench of wires",
+            "expected a bench of wires: a motor shakes at its own frequency",
         ),
     ] {
-        let said = hil(arguments);
+        let said = hil_in(&folder.0, arguments);
         assert_eq!(said.status, Some(2), "{arguments:?}: {}", said.out);
         assert!(said.err.contains(words), "{arguments:?}: {}", said.err);
         assert_eq!(said.err.trim_end().lines().count(), 1, "{}", said.err);
@@ -176,5 +201,59 @@ fn scenes_of_motors_bring_their_benches() {
         let summary: serde_json::Value = serde_json::from_str(&said.out).unwrap();
         assert_eq!(summary["motors"]["kind"], kind, "{scene}");
         assert_eq!(summary["verdict"], "ok", "{scene}");
+    }
+}
+
+#[test]
+fn a_new_bench_of_motors_runs_and_a_real_one_states_its_motors() {
+    let folder = Folder::new("motors-new");
+    let run = |arguments: &[&str]| {
+        let said = hil_in(&folder.0, arguments);
+        assert_eq!(said.status, Some(0), "{arguments:?}: {}", said.err);
+        said.out
+    };
+    for (kind, display) in [
+        ("lra", "thimble-8"),
+        ("erm", "thimble-8"),
+        ("voice-coil", "thimble-8"),
+        ("lra", "tactile-brush-4x3"),
+    ] {
+        let new = ["new", "bench", "own", "--force", "--motors", kind];
+        run(&[&new[..], &["--display", display]].concat());
+        let scene = ["run", "sphere-along", "--set", "length_s=2", "--json"];
+        let out = run(&[&scene[..], &["--bench", "own.toml"]].concat());
+        let summary: serde_json::Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(summary["motors"]["kind"], kind);
+    }
+    let real = ["--motors", "lra", "--can", "can0", "--i2c", "/dev/i2c-1"];
+    let new = ["new", "bench", "real"];
+    run(&[&new[..], &real, &["--display", "tactile-brush-4x3"]].concat());
+    run(&["check", "real.toml"]);
+    let text = folder.text("real.toml");
+    let last = "{ switch = 0x71, channel = 3 },\n]\n";
+    assert!(
+        text.ends_with(last) && text.contains("\nohm = 25.0\n"),
+        "{text}"
+    );
+    for (more, words) in [
+        (
+            &[
+                "--motors",
+                "voice-coil",
+                "--can",
+                "can0",
+                "--i2c",
+                "/dev/i2c-1",
+            ][..],
+            "a sound card drives voice coils",
+        ),
+        (
+            &["--motors", "lra", "--current-ma", "900"],
+            "cannot be used with",
+        ),
+    ] {
+        let said = hil_in(&folder.0, &[&["new", "bench", "other"], more].concat());
+        assert_eq!(said.status, Some(2), "{}", said.err);
+        assert!(said.err.contains(words), "{}", said.err);
     }
 }

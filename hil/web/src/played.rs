@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use palpate_core::units::{Instant, Point};
 use palpate_files::Setup;
 use palpate_records::digest::ScheduleDigest;
-use palpate_run::display_end::DisplayEnd;
-use palpate_run::picture::{Head, Painter, Picture, State};
-use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
+use palpate_run::picture::{Head, Painter, Picture};
+use palpate_run::wires::EmulatedDisplay;
+use palpate_run::{EmulatedEnd, EmulatedMotors, Failure, Fingers, Live, SessionOn, Turn, header};
 use serde::Serialize;
 
 /// Longest virtual time of a picture, microseconds: a page that slept does not make up for it.
@@ -21,7 +21,7 @@ type Finger = (usize, usize, i64, i64, i64, i64);
 /// A session with its page's state.
 pub struct Played {
     setup: Setup,
-    session: EmulatedSession,
+    session: Box<dyn Live>,
     fingers: Fingers,
     head: Head,
     painter: Painter,
@@ -48,6 +48,15 @@ pub struct Ended {
     digest: String,
 }
 
+/// Opens a session on a display of this kind, and its fingers.
+fn opened<D: EmulatedEnd + Send + 'static>(
+    setup: &Setup,
+    seed: u64,
+) -> Result<(Box<dyn Live>, Fingers), Failure> {
+    let (session, fingers) = SessionOn::<D>::played(setup, seed)?;
+    Ok((Box::new(session), fingers))
+}
+
 impl Played {
     /// Begins a session.
     ///
@@ -60,9 +69,13 @@ impl Played {
                 setup.bench.value.name
             )));
         }
-        let (mut session, fingers) = EmulatedSession::played(&setup, seed)?;
+        let open = match setup.bench.value.haptics {
+            None => opened::<EmulatedDisplay>,
+            Some(_) => opened::<EmulatedMotors>,
+        };
+        let (mut session, fingers) = open(&setup, seed)?;
         let header = header(&setup, seed, session.projector())?;
-        session.recorder().counts = Some(Vec::new());
+        session.keep_counts();
         let head = Head::new(&setup, &header, session.projector());
         let painter = Painter::new(&setup, &header, session.projector());
         session
@@ -133,10 +146,9 @@ impl Played {
         let (events, dropped) = self.session.drain();
         let final_ns = (until_us * 1000).saturating_sub(LATE_NS);
         self.told.add(&events, final_ns);
-        let (_, recorder, look) = self.session.look();
-        let mut state: State = look.state(self.painter.wants(until_us));
+        let mut state = self.session.state(self.painter.wants(until_us));
         state.now = until;
-        let counts = recorder.counts.as_deref().unwrap_or_default();
+        let counts = self.session.counts();
         let map = state.map;
         let mut picture = self.painter.picture(&events, counts, state);
         let presses = |&(number, module, x, y, ..): &Finger| {
@@ -168,10 +180,7 @@ impl Played {
     /// # Errors
     /// The failure of an emulator that contradicts itself.
     pub fn end(mut self) -> Result<Ended, Failure> {
-        let off = self.session.switch_off(self.mark);
-        off.map_err(|e| Failure::Device(e.to_string()))?;
-        let (display, projector, recorder) = self.session.all();
-        display.settle(self.mark, projector, recorder)?;
+        self.session.end(self.mark)?;
         let (events, _) = self.session.drain();
         self.told.add(&events, u64::MAX);
         let digest = self.told.finish();

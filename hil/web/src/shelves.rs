@@ -34,6 +34,9 @@ struct Offer {
     /// `true` for a scene that wants the texture model.
     #[serde(skip_serializing_if = "is_false")]
     texture: bool,
+    /// `true` for a bench of motors, which has no wires to choose.
+    #[serde(skip_serializing_if = "is_false")]
+    motors: bool,
     /// Bench of a scene that wants one of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     bench: Option<String>,
@@ -50,14 +53,9 @@ fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
         name: file.name,
         description: file.description,
         texture: false,
+        motors: false,
         bench: None,
     })
-}
-
-/// Tells whether a page can show a bench: one finger, with wires.
-fn is_shown(bench: &str) -> Result<bool, Failure> {
-    let bench = load_bench(bench)?.value;
-    Ok(bench.displays.is_empty() && bench.haptics.is_none())
 }
 
 /// Reads the shelves.
@@ -69,7 +67,7 @@ pub fn shelves() -> Result<Shelves, Failure> {
     for scene in shelf(FileKind::Scene) {
         let file = load_scene(&scene.name)?.value;
         let (own, texture) = (file.own_bench(), file.texture.is_some());
-        if !is_shown(own)? {
+        if !load_bench(own)?.value.displays.is_empty() {
             continue;
         }
         let bench = (own != DEFAULT_BENCH).then(|| own.to_owned());
@@ -88,8 +86,10 @@ pub fn shelves() -> Result<Shelves, Failure> {
     }
     let mut benches = Vec::new();
     for bench in shelf(FileKind::Bench) {
-        if is_shown(&bench.name)? {
-            benches.push(bench);
+        let own = load_bench(&bench.name)?.value;
+        let motors = own.haptics.is_some();
+        if own.displays.is_empty() {
+            benches.push(Offer { motors, ..bench });
         }
     }
     Ok(Shelves {

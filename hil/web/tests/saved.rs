@@ -107,6 +107,9 @@ fn a_finger_is_felt_and_comes_again_on_every_kind_of_bench() {
         ("sphere-streamed", "emulated"),
         ("two-finger-press", "three-in-line"),
         ("icub-patch-stroke", "emulated"),
+        ("idle", "lra-8"),
+        ("sphere-along", "voice-coil-8"),
+        ("idle", "lra-grid-4x3"),
     ] {
         played(scene, bench, &[], &across());
     }

@@ -19,6 +19,7 @@ mod hands;
 mod i2c_clients;
 mod interfaces;
 mod links;
+mod motors;
 mod page;
 mod records;
 mod sja1000;

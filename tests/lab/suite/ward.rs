@@ -119,10 +119,15 @@ pub fn unlatch(node: &str) {
 impl Ward {
     /// A scene that begins with a start command, on boards that stand still.
     pub fn open(scene_file: &str, options: &[&str]) -> Self {
+        Self::open_on("bench.toml", scene_file, options)
+    }
+
+    /// Opens one for a bench of the suite.
+    pub fn open_on(bench_file: &str, scene_file: &str, options: &[&str]) -> Self {
         let all = [&["--await-start", "--scene", scene_file], options].concat();
         let emulator = Emulator::start(&all);
         let bench = scratch("bench.toml");
-        let text = std::fs::read_to_string(scene("bench.toml")).unwrap();
+        let text = std::fs::read_to_string(scene(bench_file)).unwrap();
         let mut text = text.replace("/dev/i2c-0", &emulator.node);
         if let Some(chip) = &emulator.oe {
             let oe = format!("[real]\noe = {{ chip = \"{chip}\", line = 0 }}\n");

@@ -79,15 +79,9 @@ impl ServedDisplay {
         (self.last_edge, self.cut) = (now, cut);
     }
 
-    /// The time at which the last transfer has ended on the emulated wire, and how many there were.
-    pub(super) fn transfers(&self) -> (Nanos, u64) {
-        let look = |s: &mut I2cSegment| (s.now(), s.transactions());
-        self.worn.bus().with(look).unwrap_or_default()
-    }
-
-    /// The time of the last change of an output or of the last end of a transfer, whichever is later.
-    pub(super) fn changed(&self) -> Nanos {
-        self.last_edge.max(self.transfers().0)
+    /// Time of the last change of an output.
+    pub(super) const fn last_edge(&self) -> Nanos {
+        self.last_edge
     }
 
     /// The address of each chip, and whether the chip drives or is going to drive an output; none while the bus cannot be

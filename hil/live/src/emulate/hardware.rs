@@ -22,8 +22,9 @@ use palpate_run::plan;
 use palpate_run::script::Script;
 use palpate_run::skin;
 
-use super::display::ServedDisplay;
+use super::Options;
 use super::record::PinEdge;
+use super::served::Served;
 
 /// Frames of other programs that may wait for the emulated wire, a bus.
 const WAITING: usize = 4096;
@@ -38,7 +39,7 @@ pub(super) struct Hardware<'a> {
     scene_zero: Nanos,
     script: Script,
     place: Place,
-    pub(super) display: ServedDisplay,
+    pub(super) display: Served,
     i2c: Shared<I2cHandle>,
 }
 
@@ -47,10 +48,10 @@ impl<'a> Hardware<'a> {
     ///
     /// # Errors
     /// [`Failure::Input`] for a layout that no board carries or a display that cannot be.
-    pub fn new(setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
+    pub fn new(setup: &'a Setup, options: &Options) -> Result<Self, Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
-        let display = ServedDisplay::new(setup)?;
-        let (bus, faults) = (display.worn.bus(), I2cFaults::default());
+        let (display, seed) = (Served::new(setup, options.oe)?, options.seed);
+        let (bus, faults) = (display.bus(), I2cFaults::default());
         let i2c = Shared::new(I2cFault::new(bus, faults, seed, "actuator bus"));
         Ok(Self {
             skin: boards(setup, &layout, seed)?,
@@ -92,7 +93,7 @@ impl<'a> Hardware<'a> {
     /// in words.
     ///
     /// # Errors
-    /// The errors of [`ServedDisplay::advance`].
+    /// The errors of [`Served::advance`].
     pub fn advance(
         &mut self,
         now: Nanos,
@@ -103,6 +104,8 @@ impl<'a> Hardware<'a> {
         self.skin.inner_mut().advance(scene_now);
         self.display.advance(now, epoch_ns, tell)?;
         let mut events = Vec::new();
+        let chips = self.display.bus();
+        let (worn, motors) = self.display.faulty();
         self.script.step(
             Instant::from_micros(scene_now.as_micros()),
             false,
@@ -110,13 +113,13 @@ impl<'a> Hardware<'a> {
                 skin: Some(&mut self.skin),
                 display: Some(FaultyDisplay {
                     i2c: &self.i2c,
-                    chips: self.display.worn.bus(),
-                    worn: Some(&mut self.display.worn),
+                    chips,
+                    worn,
                     drive: self.setup.bench.value.drive,
                     place: &self.place,
                     unit: None,
                     heat: None,
-                    motors: None,
+                    motors,
                 }),
             },
             &mut events,

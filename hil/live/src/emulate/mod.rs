@@ -6,7 +6,9 @@
 
 mod display;
 mod hardware;
+mod motors;
 mod record;
+mod served;
 
 use std::collections::VecDeque;
 use std::os::fd::AsFd;
@@ -19,12 +21,11 @@ use palpate_emulators::time::Nanos;
 
 use palpate_files::Setup;
 use palpate_run::Failure;
-use palpate_run::plan;
 
 pub(crate) use display::ServedDisplay;
 use hardware::{Hardware, starts};
 use record::Told;
-pub use record::{CanRecord, Flowed, PinEdge, Record, WireRecord};
+pub use record::{CanRecord, Flowed, MotorRecord, PinEdge, Record, Shaken, WireRecord, Worked};
 
 use crate::telling::{Teller, Telling};
 
@@ -60,7 +61,7 @@ pub struct Options {
 /// [`Failure::Input`] for a scene or bench that cannot be built, [`Failure::Device`] for an interface or a node that is
 /// not to be had, with the remedy.
 pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
-    let mut hardware = Hardware::new(setup, options.seed)?;
+    let mut hardware = Hardware::new(setup, options)?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let can = open(&options.can, hardware.buses())?;
     let uhid = Uhid::plug().map_err(|e| {
@@ -318,7 +319,8 @@ impl Server<'_> {
                 scene: &self.setup.scene.value.name,
                 can: self.can.iter().map(Interface::name).collect(),
                 i2c: &node,
-                chips: plan::boards(&self.setup.bench.value),
+                chips: self.driving.iter().map(|chip| chip.0).collect(),
+                kind: self.hardware.display.kind(),
                 oe: gpio.as_deref().filter(|_| self.oe.is_some()),
             })?;
             self.record.i2c.clone_from(&node);
@@ -345,7 +347,7 @@ impl Server<'_> {
             (record.received, record.foreign) = (counts.received, counts.foreign);
         }
         record.transfers = self.hardware.display.transfers().1;
-        record.flowed = self.hardware.display.flowed();
+        record.worked = Some(self.hardware.display.worked());
         record.driving = (self.driving.iter().filter(|c| c.1).map(|c| c.0)).collect();
         self.teller.finish(&Told::Record(&self.record))
     }

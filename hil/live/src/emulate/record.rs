@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use palpate_core::codec::drv2605::ADDRESS;
+use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::DisplayTotals;
 use palpate_files::Output;
 use serde::Serialize;
@@ -23,8 +25,11 @@ pub enum Told<'a> {
         can: Vec<&'a str>,
         /// The I2C node.
         i2c: &'a str,
-        /// 7-bit addresses of the chips behind it.
+        /// 7-bit addresses of the chips behind it; of motors those of their switches.
         chips: Vec<u8>,
+        /// Kind of these chips.
+        #[serde(skip)]
+        kind: &'static str,
         /// The GPIO chip whose line 0 is on the chips' OE pins, if it is.
         oe: Option<&'a str>,
     },
@@ -113,6 +118,96 @@ pub struct CanRecord {
     pub foreign: u64,
 }
 
+/// A motor of the display.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MotorRecord {
+    /// Address of the switch before its driver, or of a driver alone on the bus.
+    pub chip: u8,
+    /// The switch's channel.
+    pub channel: u8,
+    /// Times that it was driven, with the braking at their end.
+    pub bursts: u64,
+    /// The longest of them, milliseconds.
+    pub longest_ms: f64,
+    /// Time at which the drive that goes on began.
+    #[serde(skip)]
+    since: Option<Nanos>,
+}
+
+impl MotorRecord {
+    /// A motor behind this switch and channel that was never driven.
+    pub(super) fn new(behind: Option<(u8, u8)>) -> Self {
+        let (chip, channel) = behind.unwrap_or((ADDRESS, 0));
+        Self {
+            chip,
+            channel,
+            ..Self::default()
+        }
+    }
+
+    /// Tells whether the motor is driven.
+    pub(super) const fn is_driven(&self) -> bool {
+        self.since.is_some()
+    }
+
+    /// Takes whether the motor is driven from `at` on. Returns `true` for a change.
+    pub(super) fn change(&mut self, at: Nanos, driven: bool) -> bool {
+        match (driven, self.since) {
+            (true, None) => self.since = Some(at),
+            (false, Some(since)) => {
+                self.since = None;
+                self.bursts += 1;
+                let lasted_ms = at.since(since).0 as f64 / 1e6;
+                self.longest_ms = self.longest_ms.max(lasted_ms);
+            }
+            _ => return false,
+        }
+        true
+    }
+}
+
+/// Motion of emulated motors.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Shaken {
+    /// The display's motors, in its order.
+    pub motors: Vec<MotorRecord>,
+    /// Largest amplitude of a face on the skin, um.
+    pub face_um: f64,
+    /// Largest rise of a coil over the air, K.
+    pub coil_rise_k: f64,
+    /// Largest drive, V peak.
+    pub drive_v: f64,
+}
+
+impl Shaken {
+    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
+        for (n, motor) in self.motors.iter().enumerate() {
+            if motor.bursts > 0 {
+                writeln!(
+                    out,
+                    "  motor {n:<8} {} bursts, longest {:.0} ms ({:#04x}, channel {})",
+                    motor.bursts, motor.longest_ms, motor.chip, motor.channel
+                )?;
+            }
+        }
+        writeln!(
+            out,
+            "  faces          {:.0} um at most; coil {:.1} K over the air; {:.2} V peak",
+            self.face_um, self.coil_rise_k, self.drive_v
+        )
+    }
+}
+
+/// Work of the display's outputs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Worked {
+    /// Currents of wires.
+    Wires(Flowed),
+    /// Motion of motors.
+    Motors(Shaken),
+}
+
 /// Currents of emulated wires: pulses, energy and temperatures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Flowed {
@@ -145,9 +240,9 @@ pub struct Record {
     pub i2c: String,
     /// Transfers on it.
     pub transfers: u64,
-    /// Currents of the wires.
+    /// Work of the outputs.
     #[serde(flatten)]
-    pub flowed: Flowed,
+    pub worked: Option<Worked>,
     /// Chips that still drive outputs at the end, by address.
     pub driving: Vec<u8>,
     /// Largest lateness of a frame or an I2C answer, milliseconds.
@@ -244,7 +339,11 @@ impl Record {
             )?;
         }
         writeln!(out, "  {:<14} {} transfers", self.i2c, self.transfers)?;
-        self.flowed.words(out)?;
+        match &self.worked {
+            Some(Worked::Wires(flowed)) => flowed.words(out)?,
+            Some(Worked::Motors(shaken)) => shaken.words(out)?,
+            None => {}
+        }
         if self.driving.is_empty() {
             writeln!(out, "  outputs        off")?;
         }
@@ -264,6 +363,7 @@ impl Say for Told<'_> {
                 can,
                 i2c,
                 chips,
+                kind,
                 oe,
                 ..
             } => {
@@ -271,7 +371,7 @@ impl Say for Told<'_> {
                 for name in can {
                     writeln!(out, "  {name:<14} uSkin boards")?;
                 }
-                write!(out, "  {i2c:<14} PCA9685 at")?;
+                write!(out, "  {i2c:<14} {kind} at")?;
                 for chip in chips {
                     write!(out, " {chip:#04x}")?;
                 }

@@ -258,7 +258,8 @@ pub fn open_outputs(
     projector: &Projector,
     clock: RunClock,
 ) -> Result<Live, Failure> {
-    plan::wires_only(&setup.bench)?;
+    let instead = "`hil run` drives motors, with their skin on the same machine";
+    plan::wires_only(&setup.bench, instead)?;
     refuse_slow(real_of(setup)?, projector.guard())?;
     let place = &Place::whole(&setup.bench.value);
     let only = Wired {

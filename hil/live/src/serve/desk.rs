@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use palpate_core::guard::Used;
 use palpate_run::Failure;
 use palpate_study::Reply;
 use serde::Deserialize;
@@ -317,11 +316,11 @@ impl Desk {
     }
 
     /// Shows the experimenter how much of the limits is used, and leaves the rest of the view as it is.
-    pub fn limits(&self, used: &Used) {
+    pub fn limits(&self, rows: &[(&str, f64)]) {
         let mut state = self.shared.held();
         let shown = &mut state.experimenter;
         if shown.view.is_object() {
-            shown.change(|view| view["rows"] = json!(used.rows()));
+            shown.change(|view| view["rows"] = json!(rows));
         }
     }
 

@@ -72,7 +72,7 @@ class Loop:
 
     Args:
         layout: The skin, a name or a file. Default: the scene's.
-        bench: The emulated bench whose display is driven. Default: what the scene wants, or ``emulated``.
+        bench: The emulated bench whose wires or motors are driven. Default: what the scene wants, or ``emulated``.
         scene: The scene that gives the other settings; the loop ignores its touches. Default: the settings of
             ``hil run --replay``, with a contact threshold from every taxel's own noise.
         set: Values in place of the files' own, as for :func:`run`.
@@ -130,7 +130,7 @@ class Loop:
 
     @property
     def wires(self) -> Table:
-        """Places of the wires on the display: x_mm, y_mm."""
+        """Places of the wires, or motors, on the display: x_mm, y_mm."""
         return np.array(self._inner.wires(), dtype=[("x_mm", "<f8"), ("y_mm", "<f8")]).view(Table)
 
     @property
@@ -173,7 +173,7 @@ class Loop:
     def hot_pass(self) -> Step:
         """Heats every wire once, in turn, at the next onsets without a contact. Call it after the display was put on.
 
-        The person feels each as a tap. Notes in the events of this and later steps state the result.
+        Motors are not heated: a note says so. The person feels each as a tap. Notes in the events of this and later steps state the result.
         """
         return Step(self._inner.hot_pass())
 
@@ -245,7 +245,11 @@ class Loop:
         return each
 
     def temperatures(self) -> Table:
-        """Temperatures of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""
+        """Temperatures of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C.
+
+        Raises:
+            InputError: The bench has motors, which heat no skin.
+        """
         now = self._inner.temperatures()
         made = np.array(now, dtype=[("wire_c", "<f8"), ("skin_c", "<f8")])
         return made.view(Table)

@@ -56,10 +56,10 @@ class _Tables:
 
     @cached_property
     def stimuli(self) -> Table:
-        """Commands to the wires.
+        """Commands to the wires, or motors.
 
-        time_us, wire (in the display's order), board, channel, on and off (ticks), width (off - on, applied),
-        requested (width, ticks), pulses, until_us, requested_until_us, reason (why the applied width differs from the
+        time_us, wire (in the display's order), board, channel, on and off (ticks), width (off - on, applied; of a motor its
+        level, of 4096 for the highest), requested (as width), pulses, until_us, requested_until_us, reason (why the applied width differs from the
         requested one; empty if it does not).
         """
         return self._table("stimuli")

@@ -65,7 +65,8 @@ impl Calibration {
         seed: u64,
     ) -> Result<Self, Failure> {
         refuse_hardware(&setup.bench.value)?;
-        plan::wires_only(&setup.bench)?;
+        let instead = "no evidence on motors is published; `hil sweep --set bench.haptics.quality=10,20,40` shows what an unknown value does to what is felt";
+        plan::wires_only(&setup.bench, instead)?;
         plan::display(&setup)?;
         // Every draw begins as after a hot pass, where the bench has one.
         if pass::is_due(&setup) && pass::lasts(&setup) {

@@ -35,6 +35,7 @@ impl Again {
     pub fn new(setup: &Setup, projector: &Projector) -> Self {
         let bench = &setup.bench.value;
         let pass = match (setup.pass, bench.drive.hot_pass) {
+            _ if bench.haptics.is_some() => Err("motors have no wires to heat"),
             (Pass::Before, true) => planning::of_loop(setup, projector),
             (Pass::Before, false) => Err("the bench says `drive.hot_pass = false`"),
             (Pass::Itself(_) | Pass::Apart(_) | Pass::LeftOut, _) => {

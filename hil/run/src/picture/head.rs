@@ -4,7 +4,7 @@ use palpate_core::contact::Scope;
 use palpate_core::projector::Projector;
 use palpate_core::render::Style;
 use palpate_core::skin::Module;
-use palpate_core::units::Point;
+use palpate_core::units::{Point, Ticks};
 use palpate_files::Setup;
 use palpate_records::model;
 use palpate_records::trace::Header;
@@ -63,7 +63,8 @@ impl Head {
             illusion: scene.illusion.model.name(),
             renderer: style_word(scene.illusion.render),
             person: setup.person.value.name.clone(),
-            wire: setup.wire.value.name.clone(),
+            wire: header.preset.clone(),
+            motors: header.motors,
             contacts_most: scene.compression.most_contacts(),
             observed: setup.is_observed(),
             rate_hz: scene.rate_hz,
@@ -85,9 +86,15 @@ impl Head {
                 .iter()
                 .map(|w| pair(w.place))
                 .collect(),
-            wire_mm: setup.wire.value.length_mm,
+            wire_mm: match &setup.bench.value.haptics {
+                Some(haptics) => haptics.face_mm,
+                None => setup.wire.value.length_mm,
+            },
             finger_mm: surface.map(|s| [s.diameter_mm, s.tip_mm]),
-            widest_ticks: guard.widest().get(),
+            widest_ticks: match header.motors {
+                true => Ticks::PER_PERIOD,
+                false => guard.widest().get(),
+            },
             limits_c: LimitsC {
                 mean: celsius(limits.skin_mean_mc),
                 peak: celsius(limits.skin_peak_mc),

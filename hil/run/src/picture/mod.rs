@@ -7,7 +7,7 @@ pub use head::style_word;
 pub(crate) use painter::Memory;
 pub use painter::Painter;
 
-use palpate_core::guard::{Cause, Guard, Used};
+use palpate_core::guard::{Cause, Guard};
 use palpate_core::illusion::Map;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
@@ -15,6 +15,14 @@ use palpate_emulators::worn::{DisplayTotals, Standing};
 use serde::Serialize;
 
 use crate::display_end::DisplayEnd;
+
+/// Used share of each limit of a guard at a time, by the limit's key.
+#[must_use]
+pub fn used(guard: &Guard, at: Instant) -> Vec<(&'static str, f64)> {
+    let of_wires = || guard.used(at).rows().to_vec();
+    let of_motors = guard.motors_used(at);
+    of_motors.map_or_else(of_wires, |rows| rows.to_vec())
+}
 
 /// Costly parts of a session's [`State`] to copy: each is a copy for every wire, and then work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,10 +69,11 @@ impl State {
         }
     }
 
-    /// Shares of the guard's limits that are used, where they are wanted.
+    /// Used share of each limit of the guard, where they are wanted.
     #[must_use]
-    pub fn used(&self) -> Option<Used> {
-        self.guard.as_ref().map(|(guard, at)| guard.used(*at))
+    pub fn used(&self) -> Option<Vec<(&'static str, f64)>> {
+        let looked = self.guard.as_ref();
+        looked.map(|(guard, at)| used(guard, *at))
     }
 
     /// Each wire and the skin under it, degrees C; empty where they are not wanted, or nothing measures them.
@@ -138,6 +147,8 @@ pub struct Head {
     pub renderer: &'static str,
     pub person: String,
     pub wire: String,
+    /// `true` where motors take the place of wires.
+    pub motors: bool,
     pub contacts_most: u32,
     pub observed: bool,
     pub rate_hz: f64,
@@ -153,10 +164,11 @@ pub struct Head {
     pub modules: Vec<ModuleHead>,
     pub drives: usize,
     pub wires_mm: Vec<[f32; 2]>,
+    /// Length of a wire, or diameter of a motor's face.
     pub wire_mm: f64,
     /// Diameter, and the y at which the tip begins; none for a flat display.
     pub finger_mm: Option<[f64; 2]>,
-    /// The widest pulse that the guard passes, of 4096.
+    /// The widest pulse that the guard passes, or a motor's highest level, of 4096.
     pub widest_ticks: u16,
     pub limits_c: LimitsC,
     /// The hottest wire and the hottest skin that the model knows, degrees C.

@@ -186,10 +186,8 @@ impl Painter {
         if let Some(used) = state.used() {
             self.warm = state.warm().into_iter().map(|two| two.map(short)).collect();
             self.looked_us[0] = Some(now_us);
-            let rows = used.rows().into_iter();
-            self.used.clear();
-            self.used
-                .extend(rows.map(|(limit, share)| (limit, short(share))));
+            let rows = used.into_iter();
+            self.used = rows.map(|(limit, share)| (limit, short(share))).collect();
         }
         if let Some(totals) = state.totals() {
             self.looked_us[1] = Some(now_us);

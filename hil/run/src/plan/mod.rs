@@ -139,30 +139,21 @@ pub fn one_display(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Resul
     ))
 }
 
-/// The motors of a bench; `None` for one of wires.
-///
-/// # Errors
-/// [`Failure::File`] in a page, which has no bench of motors: their code would be a part of its WebAssembly module.
-#[inline(always)]
-pub(crate) fn motors_of(
-    bench: &palpate_files::Loaded<palpate_files::Bench>,
-) -> Result<Option<&palpate_files::BenchHaptics>, Failure> {
-    if cfg!(target_family = "wasm") {
-        return wires_only(bench).map(|()| None);
-    }
-    Ok(bench.value.haptics.as_ref())
-}
+/// Words for people with motors, where only wires are emulated.
+pub(crate) const NO_WIRES: &str = "`hil run`, `hil emulate` and loops of Python emulate motors";
 
-/// Refuses a bench of motors.
+/// Refuses a bench of motors. `instead` tells people who have one what serves them.
 ///
 /// # Errors
 /// [`Failure::File`] with the line of its motors.
-pub fn wires_only(bench: &palpate_files::Loaded<palpate_files::Bench>) -> Result<(), Failure> {
+pub fn wires_only(
+    bench: &palpate_files::Loaded<palpate_files::Bench>,
+    instead: &str,
+) -> Result<(), Failure> {
     if bench.value.haptics.is_none() {
         return Ok(());
     }
-    let expected =
-        "a bench of wires: motors run scenes (`hil run`, `sweep`, `test`, `study`) and no more";
+    let expected = format!("a bench of wires: {instead}");
     Err(Failure::File(bench.source.bad("haptics", expected)))
 }
 
@@ -382,7 +373,7 @@ pub fn untextured(
     let view = view(setup, skin, display.bounds())?;
 
     let pattern = illusion::pattern(setup)?;
-    if let Some(haptics) = motors_of(&setup.bench)? {
+    if let Some(haptics) = &bench.haptics {
         let plant = Plant {
             prescale: prescale(bench)?,
             ..Plant::default()

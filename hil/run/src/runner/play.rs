@@ -253,13 +253,10 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
-        let projector = self.projector(levels)?;
-        if let Some(haptics) = plan::motors_of(&self.setup.bench)? {
-            let motors = EmulatedMotors::new(self.setup, haptics, &projector, self.seed)?;
-            return self.alone((projector, motors), skin, truth, end, host);
+        match self.setup.bench.value.haptics {
+            None => self.alone::<EmulatedDisplay>(levels, skin, truth, end, host),
+            Some(_) => self.alone::<EmulatedMotors>(levels, skin, truth, end, host),
         }
-        let display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
-        self.alone((projector, display), skin, truth, end, host)
     }
 
     /// The loop of this run's setup.
@@ -268,14 +265,17 @@ impl Run<'_> {
     }
 
     /// Plays the pass that counts on a display that is the only one.
-    fn alone(
+    fn alone<D: EmulatedEnd>(
         &self,
-        ends: (Projector, impl EmulatedEnd),
+        levels: Levels,
         skin: &mut dyn SkinEnd,
         truth: Truth,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
+        let projector = self.projector(levels)?;
+        let display = D::at_rest(self.setup, &projector, self.seed)?;
+        let ends = (projector, display);
         let whole = Place::whole(&self.setup.bench.value);
         let own = Box::new(&mut *skin);
         let mut one = Finger::new(*self, own, ends, (truth, whole), host)?;

@@ -18,7 +18,7 @@ use crate::plan;
 /// [`Failure::Input`] for a bench that cannot be.
 pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Failure> {
     let bench = &setup.bench.value;
-    plan::wires_only(&setup.bench)?;
+    plan::wires_only(&setup.bench, plan::NO_WIRES)?;
     let display = WornDisplay::new(&config(setup, wires)).map_err(no_bench(bench))?;
     // Refused only from inside another look at the segment, and there is none here.
     let _ = display.bus().with(|segment| {
