@@ -470,6 +470,7 @@ fn assembled(
                 norm: scene.compression.norm,
                 exponent: scene.compression.weight_exponent as f32,
                 levels,
+                vectors: scene.compression.vectors,
                 seed,
                 max_iterations: scene.compression.iterations,
                 tolerance: scene.compression.stop_mm as f32,
