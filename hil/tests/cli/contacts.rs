@@ -7,7 +7,7 @@ use super::*;
 const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level,members";
 
 /// A header and rows of counts.
-fn csv(taxels: usize, rows: impl Iterator<Item = Vec<u16>>) -> String {
+pub fn csv(taxels: usize, rows: impl Iterator<Item = Vec<u16>>) -> String {
     let names: Vec<_> = (1..=taxels)
         .map(|t| format!("txl{t}_x,txl{t}_y,txl{t}_z"))
         .collect();
@@ -47,7 +47,7 @@ pub fn recording(folder: &Folder, rows: usize) -> String {
 }
 
 /// The rows of the output as numbers.
-fn rows(text: &str) -> Vec<[f64; 9]> {
+pub fn rows(text: &str) -> Vec<[f64; 9]> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(HEADER));
     let number = |field: &str| field.parse::<f64>().unwrap_or_else(|_| panic!("`{field}`"));
@@ -59,7 +59,7 @@ fn rows(text: &str) -> Vec<[f64; 9]> {
         .collect()
 }
 
-fn contacts(file: &str, options: &[&str]) -> Vec<[f64; 9]> {
+pub fn contacts(file: &str, options: &[&str]) -> Vec<[f64; 9]> {
     let mut args = vec!["contacts", file, "--layout", "uskin-4x4", "--rate", "40"];
     args.extend(options);
     rows(&good(&args))
@@ -88,47 +88,6 @@ fn noticeable_levels_replace_k_i() {
     // A stop so far away ends K-means after its first update.
     let early = contacts(&file, &["--kc", "4", "--stop-mm", "100"]);
     assert_ne!(early, contacts(&file, &["--kc", "4"]));
-}
-
-/// (4.9) to (4.15): the norm of a vector is at most the interpolated magnitude, and levels follow from directions too.
-#[test]
-fn vectors_give_intensities_and_levels_along_each_axis() {
-    let folder = Folder::new("vectors");
-    let file = recording(&folder, 200);
-    let plain = contacts(&file, &["--kc", "2"]);
-    let vectors = contacts(&file, &["--kc", "2", "--vectors"]);
-    assert_eq!(plain.len(), vectors.len());
-    for (one, other) in plain.iter().zip(&vectors) {
-        assert_eq!(one[..6], other[..6]);
-        assert!(other[6] <= one[6] + 0.01, "{one:?} {other:?}");
-    }
-    let other_level = plain.iter().zip(&vectors).filter(|(a, b)| a[7] != b[7]);
-    assert!(other_level.count() > 0);
-    let args = [
-        "contacts",
-        &file,
-        "--layout",
-        "uskin-4x4",
-        "--rate",
-        "40",
-        "--json",
-    ];
-    let json = good(&[&args[..], &["--vectors"]].concat());
-    let list: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
-    for one in &list {
-        let vector = one["vector"].as_array().unwrap();
-        let norm = vector
-            .iter()
-            .map(|v| v.as_f64().unwrap().powi(2))
-            .sum::<f64>()
-            .sqrt();
-        assert!(
-            (norm - one["intensity"].as_f64().unwrap()).abs() < 2e-3,
-            "{one}"
-        );
-    }
-    assert!(!good(&args).contains("vector"));
-    refused(&["contacts", &file, "--weber", "0.1", "--vectors"]);
 }
 
 #[test]
