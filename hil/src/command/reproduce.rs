@@ -155,7 +155,7 @@ fn page(done: &[(&Row, Answer)]) -> String {
         }
     };
     format!(
-        "{}<style>{}{}.row figure{{flex:1 1 400px}}</style><header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}{}",
+        "{}<style>{}{}.row figure{{flex:1 1 300px}}.row figure:has(.box){{flex-basis:100%}}.row svg{{max-height:420px}}</style><header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}{}",
         head("The thesis, reproduced"),
         map::RULES,
         boxes::RULES,

@@ -8,7 +8,7 @@ use palpate_files::{
 use palpate_run::Failure;
 use palpate_texture::draw::drawing;
 use palpate_texture::explore::{encode, explore};
-use palpate_texture::map::{View, place};
+use palpate_texture::map::{Axis, View, place};
 use palpate_texture::rebuild::{Part, Rebuilder};
 use serde_json::json;
 
@@ -109,7 +109,13 @@ fn seen() -> Result<(Vec<Seen>, String), Failure> {
     let table = load_textures("thesis")?.value;
     let strokes = explore(&table, STROKES, SEED, |_| ());
     let encoded = encode(&model, &strokes, |_| ())?;
-    let view = View::new(&model);
+    // The coordinates that the thesis shows, whatever the model's file names.
+    let [x, y] = [0, 1].map(|coordinate| Axis {
+        coordinate,
+        sign: 1,
+        stands_for: "",
+    });
+    let view = View { x, y };
     let title = "Figure 3.5-A: strokes in the latent space, with ellipses of one deviation";
     let map = drawing(&place(&encoded, &model, view), view, title).finish();
     let normal = |row: &Vec<_>| mean(row.iter().map(normal_counts));
