@@ -44,7 +44,7 @@ pub struct Known {
     pub growth: BTreeMap<u16, Vec<[f64; 2]>>,
 }
 
-/// Value between points `[x, y]` at `x`, straight on beyond their ends; the first where several fit.
+/// Value between points `[x, y]` at `x`, the first where several fit; beyond their ends it goes on one for one.
 fn between(points: impl Iterator<Item = [f64; 2]> + Clone, x: f64) -> Option<f64> {
     let mut pairs = points.clone().zip(points.clone().skip(1));
     let Some(([ax, ay], [bx, by])) = pairs.find(|([ax, _], [bx, _])| (*ax..=*bx).contains(&x))
