@@ -142,19 +142,19 @@ def _(v):
     near("as printed", [s / len(v["weights"]) for s in whole], v["as_printed_mm"])
 
 
-@row("eq-4.9")
-def _(v):
-    pitch, (x, y) = v["pitch_mm"], v["place_mm"]
-    column, line = x / pitch + 1.5, 1.5 - y / pitch
+def between(values, pitch, place):
+    """(4.9), bilinear on the module of 4 x 4 taxels"""
+    column, line = place[0] / pitch + 1.5, 1.5 - place[1] / pitch
     c, r = min(int(column), 2), min(int(line), 2)
     right, down = column - c, line - r
+    upper = (1 - right) * values[4 * r + c] + right * values[4 * r + c + 1]
+    lower = (1 - right) * values[4 * r + 4 + c] + right * values[4 * r + 4 + c + 1]
+    return (1 - down) * upper + down * lower
 
-    def at(i, j):
-        return v["magnitude"][4 * i + j]
 
-    upper = (1 - right) * at(r, c) + right * at(r, c + 1)
-    lower = (1 - right) * at(r + 1, c) + right * at(r + 1, c + 1)
-    near("intensity", (1 - down) * upper + down * lower, v["intensity"], 1e-3)
+@row("eq-4.9")
+def _(v):
+    near("intensity", between(v["magnitude"], v["pitch_mm"], v["place_mm"]), v["intensity"], 1e-3)
 
 
 @row("eq-4.10-to-4.14")
@@ -180,6 +180,28 @@ def _(v):
 def _(v):
     nearest = [min(v["levels"], key=lambda level: (abs(level - x), level)) for x in v["intensities"]]
     near("compressed", nearest, v["compressed"])
+
+
+@row("eq-4.9-to-4.15-vectors")
+def _(v):
+    axes = list(zip(*v["readings"]))
+    vectors = [[between(axis, v["pitch_mm"], place) for axis in axes] for place in v["places_mm"]]
+    near("vectors", vectors, v["vectors"], 1e-3)
+    # The best of all ways to share the vectors out.
+    best = None
+    for own in itertools.product(range(v["k_i"]), repeat=len(vectors)):
+        if own[0] or len(set(own)) < v["k_i"]:
+            continue
+        cost, means = 0, []
+        for k in range(v["k_i"]):
+            cluster = [x for x, a in zip(vectors, own) if a == k]
+            means.append([sum(x) / len(cluster) for x in zip(*cluster)])
+            cost += sum(math.dist(x, means[k]) ** 2 for x in cluster)
+        if best is None or cost < best[0]:
+            best = (cost, sorted(means, key=lambda m: math.hypot(*m)))
+    near("levels", best[1], v["levels"], 1e-3)
+    level = [min(range(v["k_i"]), key=lambda k: math.dist(x, best[1][k])) + 1 for x in vectors]
+    near("level", level, v["level"], 0)
 
 
 @row("claim-4.6-jnd")

@@ -9,6 +9,8 @@ mod calibrate;
 mod compare;
 #[path = "cli/contacts.rs"]
 mod contacts;
+#[path = "cli/contacts_along.rs"]
+mod contacts_along;
 #[path = "cli/diff.rs"]
 mod diff;
 #[path = "cli/docs.rs"]

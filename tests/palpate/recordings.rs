@@ -226,6 +226,7 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
             kc: 1,
             ki: 10,
             weber: None,
+            vectors: false,
             stop_mm: 0.001,
             reference_frames: 10,
             threshold: Threshold::Auto,

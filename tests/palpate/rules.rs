@@ -209,6 +209,7 @@ fn a_recorded_forearm_goes_the_same_way() {
         kc: 3,
         ki: 10,
         weber: None,
+        vectors: false,
         stop_mm: 0.001,
         reference_frames: 10,
         threshold: Threshold::Counts(5.0),

@@ -12,7 +12,9 @@ use super::found::{Contact, Work};
 use super::group::{Group, Shared, Step};
 use super::identity::{Matcher, born};
 use super::levels::LevelSolver;
+use super::passes::square;
 use super::settings::{Levels, Scope, Settings, SettingsError};
+use super::vectors::VectorSolver;
 use crate::skin::layout::Layout;
 use crate::skin::relative::{FrameError, RelativeFrame};
 use crate::units::Point;
@@ -26,6 +28,8 @@ pub struct Compressor {
     matcher: Matcher,
     solver: LevelSolver,
     intensities: Vec<f32>,
+    vector_solver: VectorSolver,
+    vectors: Vec<[f32; 3]>,
     contacts: Vec<Contact>,
     /// `true` where every group would find the same contacts again in the same frame.
     settled: bool,
@@ -46,9 +50,12 @@ impl Compressor {
             Scope::Module => modules
                 .iter()
                 .enumerate()
-                .map(|(m, module)| Group::new(m, module.points().len(), &settings))
+                .map(|(m, module)| Group::new(m, module.points().len(), &settings, false))
                 .collect(),
-            Scope::Skin => alloc::vec![Group::new(0, layout.taxels(), &settings)],
+            Scope::Skin => {
+                let is_joined = !layout.seams().is_empty();
+                alloc::vec![Group::new(0, layout.taxels(), &settings, is_joined)]
+            }
         };
         let (mut px, mut py) = (Vec::new(), Vec::new());
         for module in modules {
@@ -65,11 +72,18 @@ impl Compressor {
             Levels::Dynamic(levels) => usize::from(levels).min(k),
             _ => 0,
         };
+        let (on_line, in_space) = match (dynamic, settings.vectors) {
+            (0, _) => (0, 0),
+            (_, false) => (k, 0),
+            (_, true) => (0, k),
+        };
         Ok(Self {
             next_id: 1,
             matcher: Matcher::new(k),
-            solver: LevelSolver::new(if dynamic > 0 { k } else { 0 }, dynamic),
-            intensities: Vec::with_capacity(k),
+            solver: LevelSolver::new(on_line, dynamic),
+            intensities: Vec::with_capacity(on_line),
+            vector_solver: VectorSolver::new(in_space, dynamic),
+            vectors: Vec::with_capacity(in_space),
             contacts: Vec::with_capacity(all),
             settled: groups.iter().all(|g| g.settled),
             resting: true,
@@ -152,13 +166,14 @@ impl Compressor {
                 let births = group.places.iter().map(|_| born(&mut self.next_id));
                 group.ids.extend(births);
             } else {
-                self.matcher.match_up(
-                    &group.old_places,
-                    &group.old_ids,
-                    &group.places,
-                    &mut group.ids,
-                    &mut self.next_id,
-                );
+                let (ids, count) = (&mut group.ids, group.places.len());
+                let (old, new, along) = (&group.old_places, &group.places, group.along.as_ref());
+                let distance2 = |o: usize, n: usize| match along {
+                    Some(along) => along.moved2(&self.shared.layout, o, n),
+                    None => square(new[n].0, new[n].1, old[o].0, old[o].1),
+                };
+                self.matcher
+                    .match_up(&group.old_ids, count, &distance2, ids, &mut self.next_id);
             }
         }
         for (contact, id) in group.contacts.iter_mut().zip(&group.ids) {
@@ -170,10 +185,13 @@ impl Compressor {
     fn quantise(&mut self, g: usize) {
         let contacts = &mut self.groups[g].contacts;
         match &self.shared.settings.levels {
-            Levels::Off => {}
-            Levels::Table(table) => {
-                for c in contacts {
-                    c.level = table.level(c.intensity);
+            Levels::Dynamic(_) if self.shared.settings.vectors => {
+                self.vectors.clear();
+                self.vectors.extend(contacts.iter().map(|c| c.vector));
+                if self.vector_solver.solve(&self.vectors).is_ok() {
+                    for c in contacts {
+                        c.level = self.vector_solver.level(c.vector);
+                    }
                 }
             }
             Levels::Dynamic(_) => {
@@ -186,6 +204,7 @@ impl Compressor {
                     }
                 }
             }
+            table => contacts.iter_mut().for_each(|c| c.level = table.level(c)),
         }
     }
 

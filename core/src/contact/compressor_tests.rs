@@ -116,6 +116,57 @@ fn levels_static_and_dynamic() {
     assert_eq!(level(Levels::Table(table)), [1, 1, 3]);
 }
 
+/// (4.9) along each axis, and levels by direction where magnitudes are equal.
+#[test]
+fn intensities_that_are_vectors_keep_their_direction() {
+    let l = pad();
+    let mut f = RelativeFrame::new(&l);
+    let mut d = alloc::vec![[0.0; 3]; 16];
+    (d[5], d[6], d[0]) = ([300.0, 0.0, 0.0], [100.0, 40.0, 0.0], [0.0, 0.0, 250.0]);
+    f.load(&d, Axes::XYZ, 10.0).unwrap();
+    let found = |clusters, levels| {
+        let settings = Settings {
+            clusters,
+            levels,
+            vectors: true,
+            ..Settings::default()
+        };
+        let mut c = Compressor::new(&l, settings).unwrap();
+        c.compress(&f).unwrap().to_vec()
+    };
+    let passed = found(3, Levels::Dynamic(2));
+    assert_eq!(
+        passed.iter().map(|c| c.vector).collect::<Vec<_>>(),
+        [d[0], d[5], d[6]]
+    );
+    assert!(passed[0].level != passed[1].level && passed[1].level == passed[2].level);
+    d[0] = [0.0; 3];
+    f.load(&d, Axes::XYZ, 10.0).unwrap();
+    let mut c = Compressor::new(
+        &l,
+        Settings {
+            vectors: true,
+            ..Settings::default()
+        },
+    )
+    .unwrap();
+    let one = c.compress(&f).unwrap()[0];
+    // |s|^1 weighs 300 : 107.7, so the place lies 0.2642 of the way from taxel 5 to 6.
+    let part = 107.703_3 / 407.703_3;
+    let expected = [300.0 - 200.0 * part, 40.0 * part, 0.0];
+    for (axis, (v, e)) in one.vector.iter().zip(expected).enumerate() {
+        assert!((v - e).abs() < 1e-2, "axis {axis}: {v}, {e}");
+    }
+    let norm = expected.iter().map(|v| v * v).sum::<f32>().sqrt();
+    assert!((one.intensity - norm).abs() < 1e-2);
+    let table = super::super::vectors::VectorTable::from_intensities(&[d[5], d[6]], 2).unwrap();
+    let settings = Settings {
+        levels: Levels::Vectors(table),
+        ..Settings::default()
+    };
+    assert_eq!(settings.check(), Err(SettingsError::NoVectors));
+}
+
 #[test]
 fn clusters_of_the_whole_skin_span_modules() {
     let at = |name, x| {
@@ -169,6 +220,7 @@ fn whatever_comes_contacts_are_sound_and_reproducible() {
             exponent: [0.0, 1.0, 2.0, 0.5, 16.0][usize::from(case % 5)],
             norm: [Norm::L1, Norm::L2, Norm::LInf][usize::from(case % 3)],
             levels: Levels::Dynamic(3),
+            vectors: case % 2 == 0,
             seed: u64::from(case),
             ..Settings::default()
         };
@@ -218,6 +270,7 @@ fn every_shortcut_gives_the_bits_of_the_long_way() {
             exponent: [1.0, 2.0, 0.5, 0.0][(case / 42 % 4) as usize],
             tolerance: [1e-3, 0.0, 0.5][(case / 5 % 3) as usize],
             levels: Levels::Dynamic(3),
+            vectors: case % 3 == 0,
             seed: u64::from(case),
             ..Settings::default()
         };

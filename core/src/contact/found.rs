@@ -13,6 +13,9 @@ pub struct Contact {
     pub place: Point,
     /// Magnitude of the relative frame there (4.9), raw counts; finite, never negative.
     pub intensity: f32,
+    /// Differences there along x, y and z (4.9), raw counts, whose norm is the intensity; zeros without
+    /// [`Settings::vectors`](super::Settings::vectors).
+    pub vector: [f32; 3],
     /// Intensity level, 1 ..= K_I; 1 without levels.
     pub level: u16,
     /// Taxels in the cluster.

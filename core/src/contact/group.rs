@@ -8,6 +8,7 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use super::along::Along;
 use super::found::{Contact, Work};
 use super::interpolate::intensity;
 use super::kmeans::{KMeans, Points, Stop, weighted_mean};
@@ -65,8 +66,27 @@ pub(super) enum Step {
 struct Memory {
     indices: Vec<u32>,
     usable: Vec<bool>,
-    /// Magnitudes; with a norm other than l2 the axes too.
+    /// Magnitudes; with a norm other than l2, and with vectors, the axes too.
     values: [Vec<f32>; 4],
+}
+
+/// The intensity at a place of a module, in its coordinates, and its parts along the axes (4.9).
+fn between(shared: &Shared, frame: &RelativeFrame, m: usize, place: Point) -> (f32, [f32; 3]) {
+    let (module, range) = (&shared.layout.modules()[m], frame.range(m));
+    let usable = &frame.usable()[range.clone()];
+    let at = |values: &[f32]| intensity(module, &values[range.clone()], usable, place);
+    match shared.settings.vectors {
+        true => {
+            let vector @ [x, y, z] = core::array::from_fn(|axis| at(frame.axis(axis)));
+            (libm::sqrtf(x * x + y * y + z * z), vector)
+        }
+        false => (at(frame.magnitude()), [0.0; 3]),
+    }
+}
+
+/// Returns true where contacts follow from the axes, and not from magnitudes alone.
+fn reads_axes(settings: &Settings) -> bool {
+    settings.norm != Norm::L2 || settings.vectors
 }
 
 /// Makes `kept` the same as `now` and says whether it was.
@@ -100,16 +120,18 @@ pub struct Group {
     y: Vec<f32>,
     w: Vec<f32>,
     kmeans: KMeans,
+    /// Places on a skin whose modules join.
+    pub(super) along: Option<Along>,
     closest: Vec<(f32, u32)>,
 }
 
 impl Group {
-    /// Room for all taxels of a scope.
-    pub(super) fn new(scope: usize, taxels: usize, settings: &Settings) -> Self {
+    /// Room for all taxels of a scope. Distances go along the skin where its modules are `joined`.
+    pub(super) fn new(scope: usize, taxels: usize, settings: &Settings, joined: bool) -> Self {
         let k = usize::from(settings.most_clusters()).min(taxels);
         let values = |wanted: bool| Vec::with_capacity(if wanted { taxels } else { 0 });
-        let axes = settings.norm != Norm::L2;
-        let solves = k > 1 && usize::from(settings.clusters) < taxels;
+        let axes = reads_axes(settings);
+        let solves = k > 1 && usize::from(settings.clusters) < taxels && !joined;
         Self {
             scope,
             step: Step::Untouched,
@@ -136,6 +158,7 @@ impl Group {
             y: alloc::vec![0.0; taxels],
             w: alloc::vec![0.0; taxels],
             kmeans: KMeans::new(if solves { taxels } else { 0 }, k),
+            along: joined.then(|| Along::new(taxels, k)),
             closest: Vec::with_capacity(k),
         }
     }
@@ -152,7 +175,7 @@ impl Group {
         // All values are kept, even where the first comparison has decided already.
         let mut same = keep(magnitude, &frame.magnitude()[range.clone()]);
         same &= keep(&mut memory.usable, &frame.usable()[range.clone()]);
-        if shared.settings.norm != Norm::L2 {
+        if reads_axes(&shared.settings) {
             for (axis, kept) in axes.iter_mut().enumerate() {
                 same &= keep(kept, &frame.axis(axis)[range.clone()]);
             }
@@ -178,8 +201,14 @@ impl Group {
         self.old_ids.clone_from(&self.ids);
         self.places.clear();
         self.contacts.clear();
+        if let Some(along) = &mut self.along {
+            along.begin();
+            along.load(&shared.layout, indices);
+        }
         if indices.len() <= shared.clusters {
             self.pass(shared, frame, indices);
+        } else if self.along.is_some() {
+            self.cluster_along(shared, frame, indices);
         } else {
             self.cluster(shared, frame, indices, same_set);
         }
@@ -211,16 +240,19 @@ impl Group {
         self.step = Step::Passed;
         self.work.passed += 1;
         (self.settled, self.clustered) = (true, false);
+        if let Some(along) = &mut self.along {
+            along.pass();
+        }
         for &i in indices {
             let at = i as usize;
             let place = (shared.px[at], shared.py[at]);
             self.places.push(place);
-            self.emit(
-                shared.module_of(self.scope, i),
-                place,
-                frame.magnitude()[at],
-                1,
-            );
+            let vector = match shared.settings.vectors {
+                true => core::array::from_fn(|axis| frame.axis(axis)[at]),
+                false => [0.0; 3],
+            };
+            let module = shared.module_of(self.scope, i);
+            self.emit(module, place, (frame.magnitude()[at], vector), 1);
         }
     }
 
@@ -283,10 +315,41 @@ impl Group {
                 Scope::Module => Point::new(x, y),
                 Scope::Skin => Point::new(x - module.origin().x, y - module.origin().y),
             };
-            let range = frame.range(m);
-            let (values, usable) = (&frame.magnitude()[range.clone()], &frame.usable()[range]);
-            self.emit(m, (x, y), intensity(module, values, usable, local), members);
+            self.emit(m, (x, y), between(shared, frame, m, local), members);
         }
+    }
+
+    /// More taxels than contacts, on a skin whose modules join: K-means along the skin.
+    fn cluster_along(&mut self, shared: &Shared, frame: &RelativeFrame, indices: &[u32]) {
+        let Some(mut along) = self.along.take() else {
+            return;
+        };
+        let layout = &shared.layout;
+        let Settings { norm, exponent, .. } = shared.settings;
+        let weights = &mut self.w[..indices.len()];
+        weights::fill(frame, indices, norm, exponent, weights);
+        if self.old_places.len() != shared.clusters {
+            self.work.seeded += 1;
+            along.seed(layout, weights, shared.clusters, &mut self.stream);
+        }
+        let stop = Stop {
+            tolerance: shared.settings.tolerance,
+            max_iterations: shared.settings.max_iterations,
+        };
+        let iterations = along.solve(layout, weights, stop);
+        self.step = Step::Clustered;
+        self.work.solves += 1;
+        self.work.iterations += u64::from(iterations);
+        self.work.passes += u64::from(iterations);
+        // Places are means of ways, which a further pass moves by rounding: no fixed point to rely on.
+        (self.settled, self.clustered) = (false, true);
+        for ((m, local), members) in along.found() {
+            let origin = layout.modules()[m].origin();
+            let place = (origin.x + local.x, origin.y + local.y);
+            self.places.push(place);
+            self.emit(m, place, between(shared, frame, m, local), members);
+        }
+        self.along = Some(along);
     }
 
     /// The member nearest to every centroid, which tells the module of a cluster that spans several.
@@ -311,12 +374,19 @@ impl Group {
     }
 
     /// A contact, still without identity and level.
-    fn emit(&mut self, module: usize, (x, y): (f32, f32), intensity: f32, members: u32) {
+    fn emit(
+        &mut self,
+        module: usize,
+        (x, y): (f32, f32),
+        (intensity, vector): (f32, [f32; 3]),
+        members: u32,
+    ) {
         self.contacts.push(Contact {
             id: 0,
             module: module as u16, // at most 4096 modules
             place: Point::new(x, y),
             intensity,
+            vector,
             level: 1,
             members,
         });

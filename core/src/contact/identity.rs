@@ -26,22 +26,23 @@ impl Matcher {
         }
     }
 
-    /// Fills `ids` for `new` places (cleared first). `next` is the next number to give away; it starts at 1.
+    /// Fills `ids` for so many `new` contacts (cleared first). `distance2` has the squared distance of an old and a new one;
+    /// `next` is the next number to give away, which starts at 1.
     pub fn match_up(
         &mut self,
-        old: &[(f32, f32)],
         old_ids: &[u32],
-        new: &[(f32, f32)],
+        new: usize,
+        distance2: &dyn Fn(usize, usize) -> f32,
         ids: &mut Vec<u32>,
         next: &mut u32,
     ) {
         ids.clear();
-        ids.resize(new.len(), UNNAMED);
+        ids.resize(new, UNNAMED);
         self.taken.clear();
-        self.taken.resize(new.len(), false);
+        self.taken.resize(new, false);
         self.nearest.clear();
-        for (o, id) in old.iter().zip(old_ids) {
-            let found = self.closest(*o, new);
+        for (o, id) in old_ids.iter().enumerate() {
+            let found = self.closest(&|n| distance2(o, n));
             // An old contact that has not moved is settled at once.
             if let Some((d, n)) = found
                 && d <= 0.0
@@ -55,12 +56,12 @@ impl Matcher {
         }
         loop {
             let mut best: Option<(f32, usize, usize)> = None;
-            for (o, place) in old.iter().enumerate().take(self.nearest.len()) {
+            for o in 0..self.nearest.len() {
                 let Some((_, n)) = self.nearest[o] else {
                     continue;
                 };
                 if self.taken[n] {
-                    self.nearest[o] = self.closest(*place, new);
+                    self.nearest[o] = self.closest(&|n| distance2(o, n));
                 }
                 if let Some((d, n)) = self.nearest[o]
                     && best.is_none_or(|b| d < b.0)
@@ -80,11 +81,10 @@ impl Matcher {
         }
     }
 
-    fn closest(&self, old: (f32, f32), new: &[(f32, f32)]) -> Option<(f32, usize)> {
+    fn closest(&self, distance2: &dyn Fn(usize) -> f32) -> Option<(f32, usize)> {
         let mut best: Option<(f32, usize)> = None;
-        for (n, p) in new.iter().enumerate().filter(|(n, _)| !self.taken[*n]) {
-            let (dx, dy) = (p.0 - old.0, p.1 - old.1);
-            let d = dx * dx + dy * dy;
+        for n in (0..self.taken.len()).filter(|n| !self.taken[*n]) {
+            let d = distance2(n);
             if best.is_none_or(|b| d < b.0) {
                 best = Some((d, n));
             }

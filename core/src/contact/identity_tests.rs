@@ -4,7 +4,11 @@ use super::*;
 
 fn run(old: &[(f32, f32)], ids: &[u32], new: &[(f32, f32)], mut next: u32) -> Vec<u32> {
     let mut out = Vec::new();
-    Matcher::new(8).match_up(old, ids, new, &mut out, &mut next);
+    let distance2 = |o: usize, n: usize| {
+        let (dx, dy) = (new[n].0 - old[o].0, new[n].1 - old[o].1);
+        dx * dx + dy * dy
+    };
+    Matcher::new(8).match_up(ids, new.len(), &distance2, &mut out, &mut next);
     out
 }
 

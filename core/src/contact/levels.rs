@@ -54,12 +54,7 @@ impl LevelTable {
 
     /// The optimal `k` levels over a recording's intensities (fewer if they take fewer values).
     pub fn from_intensities(intensities: &[f32], k: usize) -> Result<Self, LevelError> {
-        if k == 0 || k > usize::from(u16::MAX) {
-            return Err(LevelError::BadCount);
-        }
-        if intensities.is_empty() {
-            return Err(LevelError::Empty);
-        }
+        check_count(k, intensities.len())?;
         let k = k.min(intensities.len());
         let mut solver = LevelSolver::new(intensities.len(), k);
         solver.solve(intensities)?;
@@ -91,6 +86,17 @@ impl LevelTable {
     /// All levels, ascending, counts.
     pub fn values(&self) -> &[f32] {
         &self.0
+    }
+}
+
+/// Checks the number of levels that are to be found in so many intensities.
+pub(super) fn check_count(k: usize, intensities: usize) -> Result<(), LevelError> {
+    if k == 0 || k > usize::from(u16::MAX) {
+        return Err(LevelError::BadCount);
+    }
+    match intensities {
+        0 => Err(LevelError::Empty),
+        _ => Ok(()),
     }
 }
 

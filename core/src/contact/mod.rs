@@ -18,6 +18,7 @@
 //! assert!((contacts[0].place.x - -1.175).abs() < 1e-5); // a quarter of the way from taxel 5 to 6
 //! ```
 
+mod along;
 mod compressor;
 mod few;
 mod found;
@@ -28,6 +29,7 @@ pub mod kmeans;
 pub mod levels;
 mod passes;
 mod settings;
+mod vectors;
 mod weights;
 
 pub use compressor::Compressor;
@@ -36,3 +38,4 @@ pub use group::Group;
 pub use kmeans::{KMeans, Points, Stop};
 pub use levels::{LevelError, LevelSolver, LevelTable};
 pub use settings::{Levels, Norm, Scope, Settings, SettingsError};
+pub use vectors::VectorTable;

@@ -1,6 +1,8 @@
 //! Settings of the compressor, and why they are refused.
 
+use super::found::Contact;
 use super::levels::LevelTable;
+use super::vectors::VectorTable;
 
 /// Extent of a cluster and of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,9 +34,33 @@ pub enum Levels {
     Off,
     /// The nearest level of a table: static levels, or just-noticeable differences.
     Table(LevelTable),
+    /// The nearest level of a table of vectors; needs [`Settings::vectors`].
+    Vectors(VectorTable),
     /// K_I levels found anew in every frame, exactly; never more than the intensities in scope. On the wires the frame's
     /// highest counts as K_I.
     Dynamic(u16),
+}
+
+impl Levels {
+    /// K_I: the highest level of a contact.
+    pub fn count(&self) -> u16 {
+        let count = match self {
+            Self::Off => 1,
+            Self::Table(table) => table.values().len(),
+            Self::Vectors(table) => table.values().len(),
+            Self::Dynamic(levels) => usize::from(*levels),
+        };
+        u16::try_from(count).unwrap_or(u16::MAX)
+    }
+
+    /// The level of a contact by a table; 1 without.
+    pub fn level(&self, contact: &Contact) -> u16 {
+        match self {
+            Self::Off | Self::Dynamic(_) => 1,
+            Self::Table(table) => table.level(contact.intensity),
+            Self::Vectors(table) => table.level(contact.vector),
+        }
+    }
 }
 
 /// Settings of the compressor.
@@ -57,6 +83,8 @@ pub struct Settings {
     pub max_iterations: u32,
     /// The second stage.
     pub levels: Levels,
+    /// `true` where intensities are vectors (4.9): levels are found and given along x, y and z.
+    pub vectors: bool,
     /// Seed of the k-means++ draws; every scope has its own stream.
     pub seed: u64,
 }
@@ -73,6 +101,7 @@ impl Default for Settings {
             tolerance: 1e-3,
             max_iterations: 32,
             levels: Levels::Off,
+            vectors: false,
             seed: 0,
         }
     }
@@ -108,6 +137,9 @@ impl Settings {
         if self.levels == Levels::Dynamic(0) {
             return Err(SettingsError::NoLevels);
         }
+        if matches!(self.levels, Levels::Vectors(_)) && !self.vectors {
+            return Err(SettingsError::NoVectors);
+        }
         Ok(())
     }
 }
@@ -131,4 +163,7 @@ pub enum SettingsError {
     /// K_I = 0.
     #[error("the number of levels K_I must be 1 or more")]
     NoLevels,
+    /// Levels that are vectors for intensities that are none.
+    #[error("levels that are vectors need intensities that are vectors")]
+    NoVectors,
 }

@@ -1,7 +1,7 @@
 //! Contacts that another loop found: a robot's machine compresses its skin, and this one has only the display.
 
 use super::{Observer, Projector};
-use crate::contact::{Contact, Levels};
+use crate::contact::Contact;
 use crate::units::{Duration, Instant};
 
 /// Reasons for which contacts cannot belong to this loop.
@@ -43,11 +43,7 @@ impl Projector {
     ) -> Result<(), ForeignContacts> {
         let most = self.sensing.compressor().room();
         let modules = self.layout.modules().len();
-        let top = match &self.sensing.compressor().settings().levels {
-            Levels::Off => 1,
-            Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
-            Levels::Dynamic(levels) => *levels,
-        };
+        let top = self.sensing.compressor().settings().levels.count();
         let is_number = |c: &Contact| {
             c.place.x.is_finite()
                 && c.place.y.is_finite()

@@ -72,6 +72,7 @@ fn contact(x: f32) -> Contact {
         intensity: 100.0,
         level: 1,
         members: 3,
+        ..Contact::default()
     }
 }
 

@@ -394,12 +394,11 @@ impl Projector {
     /// Writes the places of the newest contacts on the display at `now` into the targets; returns their number.
     fn aim(&mut self, now: Instant) -> usize {
         let ours = || Self::ours(&self.sensing, self.drives);
-        let (levels, top) = match &self.sensing.compressor().settings().levels {
-            Levels::Off => (1, None),
-            Levels::Table(table) => (table.values().len().try_into().unwrap_or(u16::MAX), None),
-            // A frame may have fewer contacts than levels; its strongest gets the top level.
-            Levels::Dynamic(k) => (*k, ours().map(|c| c.level).max()),
-        };
+        let settings = &self.sensing.compressor().settings().levels;
+        let levels = settings.count();
+        // A frame may have fewer contacts than levels found anew; its strongest gets the top level.
+        let is_dynamic = matches!(settings, Levels::Dynamic(_));
+        let top = is_dynamic.then(|| ours().map(|c| c.level).max()).flatten();
         let above = levels.saturating_sub(top.unwrap_or(levels));
         let drive = self.output.drive();
         let mut count = 0;

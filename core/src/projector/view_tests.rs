@@ -19,6 +19,7 @@ fn contact(x: f32, y: f32, intensity: f32) -> Contact {
         intensity,
         level: 1,
         members: 1,
+        ..Contact::default()
     }
 }
 

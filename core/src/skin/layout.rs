@@ -9,6 +9,7 @@ use core::ops::Range;
 
 pub use super::layout_error::LayoutError;
 use super::layout_error::{MOST_MODULES, MOST_TAXELS};
+use super::seams::{Seam, Seams};
 use crate::codec::mtb;
 use crate::codec::uskin::Wiring;
 use crate::statistics::quantile;
@@ -272,6 +273,7 @@ impl Module {
 pub struct Layout {
     modules: Vec<Module>,
     starts: Vec<u32>,
+    seams: Seams,
 }
 
 impl Layout {
@@ -313,7 +315,26 @@ impl Layout {
             next += module.points.len() as u32; // at most MOST_TAXELS, checked above
             starts.push(next);
         }
-        Ok(Self { modules, starts })
+        Ok(Self {
+            modules,
+            starts,
+            seams: Seams::default(),
+        })
+    }
+
+    /// Joins modules at seams: distances over the whole skin then go along it, and over the plane only between modules that
+    /// no seams join.
+    ///
+    /// # Errors
+    /// A seam of other modules, without an edge of one length, or so many rings that there are too many ways.
+    pub fn with_seams(mut self, seams: &[Seam]) -> Result<Self, LayoutError> {
+        let middle = |module: &Module| {
+            let (low, high) = module.bounds();
+            Point::new((low.x + high.x) / 2.0, (low.y + high.y) / 2.0)
+        };
+        let middles: Vec<Point> = self.modules.iter().map(middle).collect();
+        self.seams = Seams::new(&middles, seams)?;
+        Ok(self)
     }
 
     /// A skin of one module.
@@ -321,6 +342,10 @@ impl Layout {
         Self::new(alloc::vec![module])
     }
 
+    /// The seams at which modules join.
+    pub(crate) fn seams(&self) -> &Seams {
+        &self.seams
+    }
     /// All modules.
     pub fn modules(&self) -> &[Module] {
         &self.modules

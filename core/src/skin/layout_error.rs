@@ -57,6 +57,28 @@ pub enum LayoutError {
     /// A module's origin is NaN, infinite or further out than 10^6 mm.
     #[error("the origin must be finite and within 10^6 mm")]
     BadOrigin,
+    /// A seam that does not name two modules of the layout.
+    #[error("seam {index}: expected two different modules of the layout")]
+    SeamModules {
+        /// The seam.
+        index: usize,
+    },
+    /// A seam whose edges are none, or of two lengths.
+    #[error(
+        "seam {index}: expected an edge over 0.01 mm long, of one length to 0.01 mm in both modules"
+    )]
+    SeamEdges {
+        /// The seam.
+        index: usize,
+    },
+    /// Seams in so many rings that there are too many ways.
+    #[error(
+        "seams that leave more than {most} ways from module to module: leave out some that close a ring"
+    )]
+    SeamWays {
+        /// The most ways.
+        most: usize,
+    },
     /// A board number over 15.
     #[error("board {board}: expected 0 to 15")]
     BadBoard {

@@ -6,6 +6,7 @@ use super::error::FileError;
 use super::module::{SkinModule, places};
 use super::pace::USUAL_BITRATE;
 use super::resolve::{FileKind, resolve_from};
+use super::seam::LayoutSeam;
 use super::settings::bounds;
 use super::source::Source;
 use super::transducer::Transducer;
@@ -66,6 +67,9 @@ pub struct SensorLayout {
     pub image: Option<ImageSize>,
     /// Modules of the skin; readings come in their order.
     pub modules: Vec<SkinModule>,
+    /// Edges at which modules join; between modules that none join, distances go over the plane.
+    #[serde(default)]
+    pub seams: Vec<LayoutSeam>,
 }
 
 const fn magnetic() -> Transducer {
@@ -199,6 +203,9 @@ impl LayoutFile {
                     .into_iter()
                     .flat_map(SkinModule::copies)
                     .collect();
+                for (n, seam) in layout.seams.iter().enumerate() {
+                    seam.check(&layout.modules, source, &format!("seams[{n}]"))?;
+                }
                 Ok(Self::Sensor(layout))
             }
             Some("display") => {

@@ -64,6 +64,7 @@ mod resolve;
 mod rows;
 mod saved;
 mod scene;
+mod seam;
 mod seat;
 mod settings;
 mod setup;
@@ -154,6 +155,7 @@ pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, REFERENCE_ROWS,
     Scene, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
+pub use seam::LayoutSeam;
 pub use seat::Seat;
 pub use setup::{Drawn, Finger, Pass, Setup, Stroked, plan_of, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};

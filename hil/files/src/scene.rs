@@ -132,6 +132,8 @@ settings! {
         pub ki: u32 = 10,
         /// The rule that finds levels.
         pub levels: LevelsFrom = LevelsFrom::Static,
+        /// True for intensities and levels along x, y and z in place of their magnitudes, (4.9) to (4.15).
+        pub vectors: bool = false,
         /// Exponent of the norm in the weight.
         pub weight_exponent: f64 = 2.0,
         /// The weight's norm.

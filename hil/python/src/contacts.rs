@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 
-use palpate_core::contact::{Contact, LevelTable, Settings};
+use palpate_core::contact::{Contact, Levels, Settings};
 use palpate_core::skin::{BaselineSettings, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_files::{
@@ -27,7 +27,7 @@ struct State {
     found: Vec<Found>,
     intensities: Intensities,
     /// Levels over all contacts, found at the end.
-    levels: Option<LevelTable>,
+    levels: Levels,
 }
 
 /// Finds the contacts of one piece of a recording after another.
@@ -36,6 +36,7 @@ pub struct Finder {
     taxels: usize,
     axes: u8,
     reference_frames: u32,
+    vectors: bool,
     state: Mutex<State>,
 }
 
@@ -57,6 +58,8 @@ pub struct Wanted {
     axes: String,
     #[pyo3(item)]
     scope: String,
+    #[pyo3(item)]
+    vectors: bool,
     #[pyo3(item)]
     drift_s: Option<f64>,
     #[pyo3(item)]
@@ -107,6 +110,7 @@ impl Wanted {
                 norm: named("norm", norm(&self.norm))?,
                 scope: named("scope", scope(&self.scope))?,
                 seed: self.seed,
+                vectors: self.vectors,
                 ..Settings::default()
             },
             skips_repeats: self.skip_repeats,
@@ -136,12 +140,13 @@ impl Finder {
                 taxels: columns.taxels,
                 axes: columns.axes,
                 reference_frames: wanted.reference_frames,
+                vectors: wanted.vectors,
                 state: Mutex::new(State {
                     finder,
                     columns: columns.count(),
                     found: Vec::new(),
                     intensities: Intensities::default(),
-                    levels: None,
+                    levels: Levels::Off,
                 }),
             })
         })
@@ -161,7 +166,7 @@ impl Finder {
             for (time_us, row) in times.iter().zip(counts.chunks_exact(state.columns)) {
                 let frame = u32::try_from(state.finder.rows()).unwrap_or(u32::MAX);
                 for contact in state.finder.row(*time_us, row)? {
-                    state.intensities.add(contact.intensity);
+                    state.intensities.add(contact);
                     state.found.push((frame, *time_us, *contact));
                 }
             }
@@ -182,7 +187,7 @@ impl Finder {
                     state.finder.rows()
                 )));
             }
-            state.levels = std::mem::take(&mut state.intensities).table(ki);
+            state.levels = std::mem::take(&mut state.intensities).levels(ki, self.vectors);
             Ok(state.found.len())
         })
     }
@@ -193,8 +198,6 @@ impl Finder {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let state = &*state;
         free(py, || {
-            let levels = state.levels.as_ref();
-            let level = |c: &Contact| levels.map_or(1, |table| table.level(c.intensity));
             let contact = |&(frame, t_us, contact): &Found| event::Contact {
                 t_us,
                 frame,
@@ -202,7 +205,7 @@ impl Finder {
                 contact: contact.id,
                 place: PlaceUm::from(contact.place),
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
-                level: level(&contact),
+                level: state.levels.level(&contact),
                 members: contact.members,
             };
             let found = state.found.iter().skip(begin).take(count);

@@ -26,6 +26,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, npt.NDArr
     [
         ([], {}),
         (["--kc", "2", "--ki", "5", "--norm", "l1"], {"kc": 2, "ki": 5, "norm": "l1"}),
+        (["--kc", "2", "--vectors"], {"kc": 2, "vectors": True}),
         (
             ["--threshold", "per-taxel", "--drift-s", "10", "--axes", "z", "--reference-frames", "50"],
             {"threshold": "per-taxel", "drift_s": 10, "axes": "z", "reference_frames": 50},

@@ -1,6 +1,6 @@
 //! Static intensity levels over a whole input, with bounded memory; and levels that need none.
 
-use palpate_core::contact::{LevelTable, Levels};
+use palpate_core::contact::{Contact, LevelTable, Levels, VectorTable};
 use palpate_core::random::RandomStream;
 use palpate_files::{Compression, LevelsFrom};
 
@@ -22,13 +22,16 @@ pub fn dynamic_levels(compression: &Compression) -> Levels {
     }
 }
 
-/// The intensities of an input, raw counts.
+/// An intensity and its parts along x, y and z, raw counts.
+type Intensity = (f32, [f32; 3]);
+
+/// The intensities of an input.
 #[derive(Debug)]
 pub struct Intensities {
-    drawn: Vec<f32>,
+    drawn: Vec<Intensity>,
     count: u64,
     /// The lowest and the highest intensity.
-    ends: Option<(f32, f32)>,
+    ends: Option<(Intensity, Intensity)>,
     draws: RandomStream,
 }
 
@@ -44,10 +47,22 @@ impl Default for Intensities {
 }
 
 impl Intensities {
-    /// Adds an intensity.
-    pub fn add(&mut self, intensity: f32) {
+    /// Adds the intensity of a contact.
+    pub fn add(&mut self, contact: &Contact) {
+        let intensity = (contact.intensity, contact.vector);
         let (least, most) = self.ends.unwrap_or((intensity, intensity));
-        self.ends = Some((least.min(intensity), most.max(intensity)));
+        self.ends = Some((
+            if intensity.0 < least.0 {
+                intensity
+            } else {
+                least
+            },
+            if intensity.0 > most.0 {
+                intensity
+            } else {
+                most
+            },
+        ));
         self.count += 1;
         if self.drawn.len() < TELLING {
             self.drawn.push(intensity);
@@ -60,21 +75,32 @@ impl Intensities {
         }
     }
 
-    /// Table of `k` levels; `None` where nothing was touched.
+    /// Table of `k` levels, of vectors if so wanted; off where nothing was touched.
     #[must_use]
-    pub fn table(mut self, k: usize) -> Option<LevelTable> {
-        if self.count > TELLING as u64 {
-            let (least, most) = self.ends?;
+    pub fn levels(mut self, k: usize, vectors: bool) -> Levels {
+        if let Some((least, most)) = self.ends.filter(|_| self.count > TELLING as u64) {
             self.drawn.extend([least, most]);
         }
-        LevelTable::from_intensities(&self.drawn, k).ok()
+        let table = match vectors {
+            true => {
+                let all: Vec<_> = self.drawn.iter().map(|(_, vector)| *vector).collect();
+                VectorTable::from_intensities(&all, k).map(Levels::Vectors)
+            }
+            false => {
+                let all: Vec<_> = self.drawn.iter().map(|(norm, _)| *norm).collect();
+                LevelTable::from_intensities(&all, k).map(Levels::Table)
+            }
+        };
+        table.unwrap_or(Levels::Off)
     }
 
-    /// Levels by just noticeable differences, from the weakest intensity up; `None` where nothing was touched.
+    /// Levels by just noticeable differences, from the weakest intensity up; off where nothing was touched.
     #[must_use]
-    pub fn noticeable(&self, weber: f32) -> Option<LevelTable> {
-        let (least, most) = self.ends?;
-        LevelTable::weber(least, most, weber).ok()
+    pub fn noticeable(&self, weber: f32) -> Levels {
+        let table = self
+            .ends
+            .and_then(|(least, most)| LevelTable::weber(least.0, most.0, weber).ok());
+        table.map_or(Levels::Off, Levels::Table)
     }
 }
 

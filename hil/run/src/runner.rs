@@ -261,7 +261,7 @@ pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
 
 impl Observer for Intensities {
     fn frame(&mut self, report: &FrameReport<'_>) {
-        report.contacts.iter().for_each(|c| self.add(c.intensity));
+        report.contacts.iter().for_each(|c| self.add(c));
     }
 }
 
@@ -293,7 +293,5 @@ fn calibrate(
         })?;
         now = projector.next().min(now + TICK);
     }
-    // Without a table nothing was touched.
-    let table = intensities.table(compression.ki as usize);
-    Ok(table.map_or(Levels::Off, Levels::Table))
+    Ok(intensities.levels(compression.ki as usize, compression.vectors))
 }

@@ -40,6 +40,10 @@ pub struct ContactsArgs {
     /// (default: --ki levels).
     #[arg(long, value_name = "FRACTION", conflicts_with = "ki", value_parser = |t: &str| within(t, (0.001, 10.0), ""), allow_hyphen_values = true)]
     pub weber: Option<f64>,
+    /// Find intensities and levels along x, y and z, (4.9) to (4.15), in place of their magnitudes; levels are numbered by
+    /// strength.
+    #[arg(long, conflicts_with = "weber")]
+    pub vectors: bool,
     /// Number of contact-free rows at the start that make the reference.
     #[arg(long, value_name = "N", default_value_t = palpate_files::REFERENCE_ROWS, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
@@ -102,7 +106,7 @@ pub struct ContactsArgs {
     /// Overwrite existing files even if hil did not write them.
     #[arg(short = 'f', long)]
     pub force: bool,
-    /// Print a JSON array of objects; the keys are the CSV's columns.
+    /// Print a JSON array of objects; the keys are the CSV's columns, and `vector` with --vectors.
     #[arg(long, conflicts_with = "out")]
     pub json: bool,
     /// Print no notes, only the contacts and errors.

@@ -63,18 +63,17 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         if count <= HELD {
             held.push(row);
         }
-        intensities.add(row.contact.intensity);
+        intensities.add(&row.contact);
         Ok(())
     })?;
     if !args.quiet {
         notes.iter().for_each(|text| note(text));
     }
-    // No table without a contact, and then no row asks for a level.
     let levels = match args.weber {
         Some(fraction) => intensities.noticeable(fraction as f32),
-        None => intensities.table(usize::from(args.ki)),
+        None => intensities.levels(usize::from(args.ki), args.vectors),
     };
-    let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
+    let level = |c: &Contact| levels.level(c);
     if count > HELD && is_stream(&recording.file) {
         return Err(Failure::Input(format!(
             "{}: expected a file: levels are found over the whole recording, which is then read again (a pipe may hold up to {HELD} contacts)",
@@ -151,7 +150,7 @@ fn write_list(
     found.each(&mut |row| {
         let c = &row.contact;
         out.write_all(std::mem::replace(&mut before, b","))?;
-        let object = json!({
+        let mut object = json!({
             "frame": row.frame,
             "time_us": row.time_us,
             "module": c.module,
@@ -162,6 +161,9 @@ fn write_list(
             "level": level(c),
             "members": c.members,
         });
+        if found.recording.args.vectors {
+            object["vector"] = json!(c.vector.map(thousandths));
+        }
         write_json(&object, &mut *out)?;
         Ok(())
     })?;
@@ -242,6 +244,7 @@ impl<'a> Recording<'a> {
                     scope: args.scope,
                     seed: args.seed,
                     tolerance: args.stop_mm as f32,
+                    vectors: args.vectors,
                     ..Settings::default()
                 },
                 skips_repeats: args.replay_stale == StaleArg::Skip,

@@ -10,6 +10,8 @@ use palpate_records::report::page::{foot, head, wide};
 use palpate_records::report::svg::escape;
 use palpate_records::verdict::{COLUMNS, wrapped};
 use palpate_run::Failure;
+use palpate_texture::draw as map;
+use palpate_texture::panel::draw as boxes;
 use serde_json::{Value, json};
 
 use crate::cli::ReproduceArgs;
@@ -139,11 +141,27 @@ fn page(done: &[(&Row, Answer)]) -> String {
         ];
         (answer.mark.word() == Mark::WORDS[1], cells)
     };
+    let figure = |(row, answer): &(&Row, Answer)| {
+        let panels = answer.panels.iter();
+        let panels: String = panels
+            .map(|svg| format!("<figure>{svg}</figure>"))
+            .collect();
+        match panels.is_empty() {
+            true => panels,
+            false => format!(
+                "<section id=\"{0}\"><h2>{0}</h2><div class=\"row\">{panels}</div></section>\n",
+                escape(row.id)
+            ),
+        }
+    };
     format!(
-        "{}<header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}",
+        "{}<style>{}{}.row figure{{flex:1 1 300px}}.row figure:has(.box){{flex-basis:100%}}.row svg{{max-height:420px}}</style><header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}{}",
         head("The thesis, reproduced"),
+        map::RULES,
+        boxes::RULES,
         escape(&count(done)),
         wide(&columns, done.iter().map(row)),
+        done.iter().map(figure).collect::<String>(),
         foot(
             ". Every value here comes from emulated hardware and a model of the skin.",
             ""

@@ -19,7 +19,7 @@ use super::study_simulate::simulated;
 use crate::cli::{AnalyseArgs, NewKind, StudyAction, StudyRunArgs};
 use crate::study::{
     Answers, Conducting, Dose, Ended, Folder, Player, SessionClock, Stimuli, Writing, conduct,
-    page, planned, uptime, wearer,
+    growth, page, planned, uptime, wearer,
 };
 use palpate_live::clock;
 use palpate_live::output::{note, print, print_json};
@@ -68,7 +68,7 @@ fn prepared(args: &StudyRunArgs) -> Result<(Stimuli, Session, Dose), Failure> {
 }
 
 fn run(args: &StudyRunArgs) -> Result<(), Failure> {
-    let (stimuli, mut session, dose) = prepared(args)?;
+    let (stimuli, mut session, mut dose) = prepared(args)?;
     if args.dose {
         print(|out| dose.write(out))?;
         return dose.check();
@@ -84,7 +84,10 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--resume: {difference}")));
     }
     let desk = match args.simulated {
-        true => None,
+        true => {
+            dose.known.growth = growth(&stimuli)?;
+            None
+        }
         false => Some(Desk::open(args.at)?),
     };
     let mut player = Player::new(stimuli, dose.rehearsals, args.on.seed, desk.clone());
@@ -102,7 +105,8 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
             Answers::Page(desk)
         }
         None => {
-            let person = Person::new(session.protocol(), args.participant, args.on.seed);
+            let (number, seed) = (args.participant, args.on.seed);
+            let person = Person::new(session.protocol(), number, seed, &dose.known);
             Answers::Person(Box::new(person))
         }
     };

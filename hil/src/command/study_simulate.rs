@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::devices::bench;
 use crate::cli::SimulateArgs;
-use crate::study::{Stimuli, planned};
+use crate::study::{Stimuli, growth, planned};
 use palpate_live::output::{print, print_json};
 
 /// Simulates a study and prints its results.
@@ -22,15 +22,16 @@ pub(super) fn simulated(args: &SimulateArgs) -> Result<(), Failure> {
         people: args.people,
         seed: args.seed,
     };
-    let known = match loaded.value.drawing.is_some() || loaded.value.localisation.is_some() {
-        // Where wires and paths lie, on the default bench.
+    // What the person of the default bench feels, and where its wires and paths lie.
+    let stimuli = Stimuli::new(loaded.clone(), bench(None, &[], &[])?)?;
+    let mut known = match loaded.value.drawing.is_some() || loaded.value.localisation.is_some() {
         true => {
             let session = Session::new(loaded.value.clone(), 1, args.seed);
-            let stimuli = Stimuli::new(loaded.clone(), bench(None, &[], &[])?)?;
             planned(&stimuli, &session)?.known
         }
         false => Known::default(),
     };
+    known.growth = growth(&stimuli)?;
     let protocol = &loaded.value;
     let outcome = simulate(protocol, of, &known).map_err(|e| Failure::Input(e.to_string()))?;
     if !args.json {

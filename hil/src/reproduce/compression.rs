@@ -1,8 +1,12 @@
 //! Rows of chapter 4: both stages of K-means, from seeds to levels.
 
 use palpate_core::contact::kmeans::weighted_mean;
-use palpate_core::contact::{Compressor, KMeans, LevelTable, Points, Settings, Stop};
+use palpate_core::contact::{
+    Compressor, Contact, KMeans, LevelTable, Levels, Points, Settings, Stop, VectorTable,
+};
 use palpate_core::random::RandomStream;
+use palpate_core::skin::{Axes, RelativeFrame};
+use palpate_core::units::Point;
 use palpate_run::Failure;
 use serde_json::json;
 
@@ -45,6 +49,12 @@ pub(super) const ROWS: &[Row] = &[
         says: "A contact gets the intensity of its nearest level.",
         assumed: "The levels of eq-4.10 to 4.14; the lower of two equally near.",
         compute: nearest,
+    },
+    Row {
+        id: "eq-4.9-to-4.15-vectors",
+        says: "Intensities are vectors of a reading's axes: interpolated, clustered and replaced by the nearest of K_I vectors.",
+        assumed: "Sixteen taxels under a press with shear, K_C = 10, K_I = 3; each axis as in eq-4.9. The best of sixteen K-means runs; levels count from the weakest. The thesis itself took magnitudes.",
+        compute: vectors,
     },
     Row {
         id: "claim-4.6-jnd",
@@ -229,6 +239,55 @@ fn nearest() -> Result<Answer, Failure> {
         Mark::Agrees,
         format!("Thirty intensities become four; the largest change is {most:.1} counts."),
         json!({ "intensities": all, "levels": table.values(), "compressed": given }),
+    ))
+}
+
+fn vectors() -> Result<Answer, Failure> {
+    let layout = module()?;
+    // Friction pulls outwards from the middle of the press, most at its rim.
+    let reading = |p: &Point| {
+        let (dx, dy) = (p.x - 1.0, p.y - 3.0);
+        let press = (-(dx * dx + dy * dy) / 60.0).exp();
+        [
+            60.0 * dx.abs() * press,
+            25.0 * dy.abs() * press,
+            400.0 * press,
+        ]
+        .map(f32::round)
+    };
+    let readings: Vec<[f32; 3]> = layout.modules()[0].points().iter().map(reading).collect();
+    let mut frame = RelativeFrame::new(&layout);
+    frame.load(&readings, Axes::XYZ, 0.0).map_err(broken)?;
+    let found = |vectors: bool| -> Result<Vec<Contact>, Failure> {
+        let settings = Settings {
+            clusters: 10,
+            levels: Levels::Dynamic(3),
+            vectors,
+            ..Settings::default()
+        };
+        let mut compressor = Compressor::new(&layout, settings).map_err(broken)?;
+        Ok(compressor.compress(&frame).map_err(broken)?.to_vec())
+    };
+    let (contacts, plain) = (found(true)?, found(false)?);
+    let all: Vec<[f32; 3]> = contacts.iter().map(|c| c.vector).collect();
+    let table = VectorTable::from_intensities(&all, 3).map_err(broken)?;
+    let told = table
+        .values()
+        .iter()
+        .map(|v| format!("({:.0}, {:.0}, {:.0})", v[0], v[1], v[2]));
+    let pairs = contacts.iter().zip(&plain);
+    let others = pairs.filter(|(c, plain)| c.level != plain.level).count();
+    Ok(Answer::new(
+        Mark::Agrees,
+        format!(
+            "Levels at {} counts; {others} of ten contacts get another level than by magnitude.",
+            told.collect::<Vec<_>>().join(", ")
+        ),
+        json!({
+            "readings": readings, "pitch_mm": super::frame::PITCH_MM, "k_i": 3, "vectors": all,
+            "places_mm": contacts.iter().map(|c| [c.place.x, c.place.y]).collect::<Vec<_>>(),
+            "levels": table.values(), "level": contacts.iter().map(|c| c.level).collect::<Vec<_>>(),
+        }),
     ))
 }
 

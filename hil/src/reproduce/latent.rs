@@ -6,10 +6,13 @@ use palpate_files::{
     DrivenBy, Rated, TextureDecoder, TextureEntry, TextureModel, load_activation, load_textures,
 };
 use palpate_run::Failure;
+use palpate_texture::draw::drawing;
 use palpate_texture::explore::{encode, explore};
+use palpate_texture::map::{Axis, View, place};
 use palpate_texture::rebuild::{Part, Rebuilder};
 use serde_json::json;
 
+use super::panel::Panel;
 use super::row::{Answer, Mark, Row, broken};
 use super::texture::THESIS;
 
@@ -100,12 +103,21 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     palpate_core::statistics::mean(values).unwrap_or(0.0)
 }
 
-/// Every stroke in the latent space, texture by texture.
-fn seen() -> Result<Vec<Seen>, Failure> {
+/// Every stroke in the latent space, texture by texture, and the map of it.
+fn seen() -> Result<(Vec<Seen>, String), Failure> {
     let model = TextureModel::open(THESIS)?;
     let table = load_textures("thesis")?.value;
     let strokes = explore(&table, STROKES, SEED, |_| ());
     let encoded = encode(&model, &strokes, |_| ())?;
+    // The coordinates that the thesis shows, whatever the model's file names.
+    let [x, y] = [0, 1].map(|coordinate| Axis {
+        coordinate,
+        sign: 1,
+        stands_for: "",
+    });
+    let view = View { x, y };
+    let title = "Figure 3.5-A: strokes in the latent space, with ellipses of one deviation";
+    let map = drawing(&place(&encoded, &model, view), view, title).finish();
     let normal = |row: &Vec<_>| mean(row.iter().map(normal_counts));
     let all = strokes
         .iter()
@@ -117,7 +129,7 @@ fn seen() -> Result<Vec<Seen>, Failure> {
                 .collect(),
             load: mean(stroke.rows.iter().map(normal)) - stroke.rows.first().map_or(0.0, normal),
         });
-    Ok(all.collect())
+    Ok((all.collect(), map))
 }
 
 fn normal_counts(reading: &palpate_core::codec::uskin::Reading) -> f64 {
@@ -177,8 +189,19 @@ fn cause(seen: &[Seen], width: usize) -> String {
 }
 
 fn goes_with(coordinate: usize, what: &str, rated: fn(&Rated) -> f64) -> Result<Answer, Failure> {
-    let seen = seen()?;
+    let (seen, _) = seen()?;
     let width = seen.first().map_or(0, |s| s.z.len());
+    let along = of_textures(&seen, coordinate);
+    let named: Vec<(&str, f64, f64)> = along
+        .iter()
+        .filter_map(|(entry, z)| Some((entry.name.as_str(), *z, rated(entry.rated.as_ref()?))))
+        .collect();
+    let panel = Panel {
+        title: &format!("Ratings of {what} by z{}", coordinate + 1),
+        axes: [&format!("z{}", coordinate + 1), &format!("{what}, assumed")],
+        up: None,
+    };
+    let drawn = panel.places(&named);
     let ranks: Vec<f64> = (0..width).map(|c| rank(&seen, c, rated)).collect();
     let least = if coordinate == 0 { 0.5 } else { 0.7 };
     let own = ranks.get(coordinate).map_or(0.0, |r| r.abs());
@@ -193,11 +216,12 @@ fn goes_with(coordinate: usize, what: &str, rated: fn(&Rated) -> f64) -> Result<
             told.join(", ")
         ),
         json!({ "ranks": ranks }),
-    ))
+    )
+    .drawn([drawn]))
 }
 
 fn places() -> Result<Answer, Failure> {
-    let seen = seen()?;
+    let (seen, map) = seen()?;
     let width = seen.first().map_or(0, |s| s.z.len());
     let (first, second) = (of_textures(&seen, 0), of_textures(&seen, 1));
     let at = |all: &[(&TextureEntry, f64)], name: &str| {
@@ -231,7 +255,8 @@ fn places() -> Result<Answer, Failure> {
             "z2": { "wood": wood, "cardboard": cardboard, "catalogue": inside[0], "shoe-sole": inside[1] },
             "z1_from_the_right": names,
         }),
-    ))
+    )
+    .drawn([map]))
 }
 
 fn driver() -> Result<Answer, Failure> {
@@ -247,6 +272,19 @@ fn driver() -> Result<Answer, Failure> {
         [ms(control.delta_mu), ms(control.sigma), hz]
     };
     let ends = [z1.low, z1.high].map(at);
+    let steps = (0..=40).map(|n| z1.low + (z1.high - z1.low) * (n as f32 / 32.0 - 0.125));
+    let steps: Vec<f32> = steps.collect();
+    let names = ["delta mu [ms]", "sigma [ms]", "f_PWM [Hz]"];
+    let panels = (0..).zip(names).map(|(of, name): (usize, &str)| {
+        let points: Vec<_> = steps.iter().map(|z| (f64::from(*z), at(*z)[of])).collect();
+        let panel = Panel {
+            title: &format!("Figure 3.5-D: {name} by z1"),
+            axes: ["z1", name],
+            up: Some((0.0, points.iter().map(|p| p.1).fold(0.0, f64::max))),
+        };
+        panel.line(&points)
+    });
+    let panels: Vec<String> = panels.collect();
     let [smooth, rough] = if z1.falls { [ends[1], ends[0]] } else { ends };
     let limits = [file.delta_mu_ms, file.sigma_ms, file.rate_hz];
     let is_end = |found: [f64; 3], of: fn(&palpate_files::Both) -> f64| {
@@ -261,5 +299,6 @@ fn driver() -> Result<Answer, Failure> {
             z1.low, z1.high, ends[0][0], ends[1][0], ends[0][1], ends[1][1], ends[0][2], ends[1][2]
         ),
         json!({ "z1": [z1.low, z1.high], "falls": z1.falls, "ends": ends }),
-    ))
+    )
+    .drawn(panels))
 }

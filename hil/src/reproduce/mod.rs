@@ -6,6 +6,7 @@ mod frame;
 mod hand;
 mod illusion;
 mod latent;
+mod panel;
 mod people;
 mod row;
 pub mod setups;

@@ -1,8 +1,10 @@
 //! Rows of the studies: what a protocol can give, and what only people can.
 
 use palpate_core::statistics::mean;
+use palpate_emulators::person::panel::Dimension;
 use palpate_files::{Overrides, Setup, TaskKind, TextureModel, load_protocol, load_textures};
 use palpate_run::Failure;
+use palpate_texture::panel::draw::drawing;
 use palpate_texture::panel::{self, Study};
 use serde_json::json;
 
@@ -31,13 +33,13 @@ pub(super) const ROWS: &[Row] = &[
         id: "fig-3.6-A",
         says: "Roughness on the display is rated roughly as the real textures', but for the handkerchief's, which is rated higher.",
         assumed: "The same panel on the emulated display, by `thesis` and z1 and by `default`; different is p < 0.05 by Mann and Whitney, as in the thesis.",
-        compute: || display(0, "roughness"),
+        compute: || display(Dimension::Roughness),
     },
     Row {
         id: "fig-3.6-B",
         says: "Friction on the display is rated roughly as the real textures', but for the handkerchief's, which is rated higher.",
         assumed: "Those of fig-3.6-A.",
-        compute: || display(1, "friction"),
+        compute: || display(Dimension::Friction),
     },
 ];
 
@@ -63,7 +65,16 @@ fn deviation(ratings: &[u8]) -> f64 {
 }
 
 fn bare() -> Result<Answer, Failure> {
-    let study = panel("default", "meaning")?;
+    let mut study = panel("default", "meaning")?;
+    // The first study has the finger alone.
+    for rated in &mut study.textures {
+        rated.display = [const { Vec::new() }; 2];
+        rated.shown.clear();
+    }
+    let panels = Dimension::ALL.map(|dimension| {
+        let title = format!("Figure 3.4: {} of real textures", dimension.name());
+        drawing(&study, &[dimension], &title).finish()
+    });
     let mut spread = [0.0; 3];
     for rated in &study.textures {
         let ratings = rated.bare.iter().flatten();
@@ -80,7 +91,8 @@ fn bare() -> Result<Answer, Failure> {
             spread[0], spread[1], spread[2]
         ),
         json!({ "hardness_roughness_friction": spread }),
-    ))
+    )
+    .drawn(panels))
 }
 
 /// Textures whose ratings of a dimension differ between display and finger, each with `higher` or `lower` on the display.
@@ -96,13 +108,20 @@ fn differing(study: &Study, dimension: usize) -> Vec<String> {
     textures.collect()
 }
 
-fn display(dimension: usize, name: &str) -> Result<Answer, Failure> {
+fn display(of: Dimension) -> Result<Answer, Failure> {
+    let (dimension, name) = (usize::from(of == Dimension::Friction), of.name());
     let told = |names: &[String]| match names {
         [] => "none".to_owned(),
         names => names.join(", "),
     };
-    let thesis = differing(&panel("thesis", "z1")?, dimension);
-    let default = differing(&panel("default", "meaning")?, dimension);
+    let studies = [panel("thesis", "z1")?, panel("default", "meaning")?];
+    let [thesis, default] = [0, 1].map(|n| differing(&studies[n], dimension));
+    let models = studies.iter().zip(["`thesis` and z1", "`default`"]);
+    let panels = models.map(|(study, model)| {
+        let title = format!("Figure 3.6: {name} on the display by {model}");
+        drawing(study, &[of], &title).finish()
+    });
+    let panels: Vec<String> = panels.collect();
     Ok(Answer::new(
         Mark::Unknown("people rate, and none has taken part here".into()),
         format!(
@@ -111,7 +130,8 @@ fn display(dimension: usize, name: &str) -> Result<Answer, Failure> {
             told(&default)
         ),
         json!({ "thesis": thesis, "default": default }),
-    ))
+    )
+    .drawn(panels))
 }
 
 /// Trials of one participant in a task of a protocol.

@@ -56,6 +56,8 @@ pub struct Answer {
     pub found: String,
     /// Numbers that went in and came out, by name.
     pub values: Map<String, Value>,
+    /// Panels of the figure, SVG for a page with the style sheet of reports.
+    pub panels: Vec<String>,
 }
 
 impl Answer {
@@ -69,6 +71,15 @@ impl Answer {
             mark,
             found: found.into(),
             values,
+            panels: Vec::new(),
+        }
+    }
+
+    /// The answer with panels of the figure.
+    pub(super) fn drawn(self, panels: impl IntoIterator<Item = String>) -> Self {
+        Self {
+            panels: panels.into_iter().collect(),
+            ..self
         }
     }
 }

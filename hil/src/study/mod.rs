@@ -16,6 +16,7 @@ pub use conduct::{Answers, Conducting, Ended, conduct};
 pub use dose::{Dose, planned};
 pub use folder::{Folder, Writing};
 pub use player::Player;
+pub use rehearsal::growth;
 pub use report::page;
 pub use stimuli::Stimuli;
 pub use tables::{data, description, sidecar, wearer};

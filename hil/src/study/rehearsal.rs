@@ -1,10 +1,12 @@
 //! Stimuli from rest and alone, on an emulated bench: what each comes to at most, before it is played on anyone.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Booked, Guard};
 use palpate_core::schedule::Entry;
 use palpate_core::units::Duration;
-use palpate_files::Setup;
+use palpate_files::{Setup, TaskKind};
 use palpate_records::measure::length_us;
 use palpate_records::trace::{Event, Trace, event};
 use palpate_run::{Failure, Input, Keep, build, run_with};
@@ -28,6 +30,8 @@ pub(super) struct Rehearsed {
     pub(super) path: Path,
     /// Onsets as the bench's person feels them.
     pub(super) sensed: Vec<Sensed>,
+    /// Level of the strongest onset, dB over the threshold of the bench's person; `None` where no person wears it.
+    strength_db: Option<f64>,
 }
 
 /// Stimuli that were rehearsed so far, each once.
@@ -69,8 +73,40 @@ impl Rehearsed {
             length: Duration::from_micros(length_us(trace)),
             path: path(&setup, &trace.events),
             sensed: sensed(&trace.events),
+            strength_db: trace
+                .each()
+                .filter_map(|onset: &event::Felt| Some(1e-3 * f64::from(onset.met?.level_mdb)))
+                .reduce(f64::max),
         })
     }
+}
+
+/// Distance of the levels at which [`growth`] plays a wire, dB.
+const LEVEL_STEP_DB: f64 = 2.0;
+/// Number of those levels below full drive: down to the least that a session plays.
+const LEVEL_STEPS: u32 = 20;
+
+/// Strength of each wire whose levels a protocol asks for, as the bench's person feels it: dB of full drive, ascending, and dB
+/// over threshold.
+///
+/// # Errors
+/// [`Failure`] of a bench that cannot play a wire.
+pub fn growth(stimuli: &Stimuli) -> Result<BTreeMap<u16, Vec<[f64; 2]>>, Failure> {
+    let protocol = &stimuli.protocol().value;
+    let asked = [TaskKind::AbsoluteThreshold, TaskKind::Matching];
+    let wires = asked.iter().flat_map(|task| protocol.wires(*task));
+    let reference = protocol.matching.iter().map(|task| &task.reference);
+    let wires: BTreeSet<u16> = wires.chain(reference).copied().collect();
+    let of_wire = |wire: u16| {
+        let mut felt = Vec::new();
+        for step in (0..=LEVEL_STEPS).rev() {
+            let level_db = -LEVEL_STEP_DB * f64::from(step);
+            let rehearsed = Rehearsed::new(stimuli, &Stimulus::Wire { wire, level_db })?;
+            felt.extend(rehearsed.strength_db.map(|strength| [level_db, strength]));
+        }
+        Ok((wire, felt))
+    };
+    wires.into_iter().map(of_wire).collect()
 }
 
 /// The bursts of a run, as its guard booked them, with their wires.

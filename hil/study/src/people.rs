@@ -39,9 +39,45 @@ pub struct Known {
     /// Onsets of each stimulus as they are felt. Of a stimulus that is not here a drawing follows the path, and a place is the
     /// wire's.
     pub felt: Vec<(Stimulus, Vec<Sensed>)>,
+    /// Strength of each wire by level as the bench's person feels it: dB of full drive, ascending, and dB over threshold. Of a
+    /// wire that is not here a protocol's means count.
+    pub growth: BTreeMap<u16, Vec<[f64; 2]>>,
+}
+
+/// Value between points `[x, y]` at `x`, the first where several fit; beyond their ends it goes on one for one.
+fn between(points: impl Iterator<Item = [f64; 2]> + Clone, x: f64) -> Option<f64> {
+    let mut pairs = points.clone().zip(points.clone().skip(1));
+    let Some(([ax, ay], [bx, by])) = pairs.find(|([ax, _], [bx, _])| (*ax..=*bx).contains(&x))
+    else {
+        let nearer = |a: [f64; 2], b: [f64; 2]| {
+            if (a[0] - x).abs() <= (b[0] - x).abs() {
+                a
+            } else {
+                b
+            }
+        };
+        let [end, y] = points.reduce(nearer)?;
+        return Some(y + x - end);
+    };
+    Some(ay + (by - ay) * (x - ax) / (bx - ax).max(1e-9))
 }
 
 impl Known {
+    /// Strength of a wire at a level, dB over threshold.
+    fn strength_db(&self, wire: u16, level_db: f64) -> Option<f64> {
+        between(self.growth.get(&wire)?.iter().copied(), level_db)
+    }
+
+    /// Level at which a wire is so strong, dB of full drive.
+    fn level_db(&self, wire: u16, strength_db: f64) -> Option<f64> {
+        let turned = self
+            .growth
+            .get(&wire)?
+            .iter()
+            .map(|[level, felt]| [*felt, *level]);
+        between(turned, strength_db)
+    }
+
     /// Notes what is felt of a stimulus; without an onset nothing is known of it.
     pub fn feel(&mut self, stimulus: &Stimulus, sensed: &[Sensed]) {
         self.felt.retain(|(other, _)| other != stimulus);
@@ -80,7 +116,7 @@ pub(crate) fn drawn(normal: Normal, random: &mut RandomStream) -> f64 {
 impl Person {
     /// The participant of a number: one in each study, so that those of two protocols are different people.
     #[must_use]
-    pub fn new(protocol: &Protocol, number: u32, seed: u64) -> Self {
+    pub fn new(protocol: &Protocol, number: u32, seed: u64, known: &Known) -> Self {
         let stream = |task: TaskKind| {
             let (study, task) = (&protocol.name, task.name());
             let name = format!("simulated participant {number} of {study}, {task}");
@@ -98,11 +134,17 @@ impl Person {
         };
         if let Some(task) = &protocol.absolute_threshold {
             let (people, random) = (&task.simulated, &mut stream(TaskKind::AbsoluteThreshold));
-            let own = drawn(people.threshold_db, random);
+            // What the bench's person just feels, and how far this participant is from them.
+            let off = drawn(people.threshold_db, random) - people.threshold_db.mean;
             let (slope, lapse) = (drawn(people.slope, random), people.lapse * random.uniform());
-            let of_wire = |_: &u16| Psychometric {
+            let of_wire = |wire: &u16| Psychometric {
                 // A level beyond a wire's range has no threshold there to be found.
-                threshold: (own + people.wire_sd_db * random.normal()).clamp(LEAST_DB + 2.0, -2.0),
+                threshold: (known
+                    .level_db(*wire, 0.0)
+                    .unwrap_or(people.threshold_db.mean)
+                    + off
+                    + people.wire_sd_db * random.normal())
+                .clamp(LEAST_DB + 2.0, -2.0),
                 slope: slope.max(0.5),
                 guess: GUESS,
                 lapse,
@@ -126,8 +168,15 @@ impl Person {
         if let Some(task) = &protocol.matching {
             let (people, random) = (&task.simulated, &mut stream(TaskKind::Matching));
             let lapse = people.lapse * random.uniform();
-            let of_wire = |_: &u16| Psychometric {
-                threshold: drawn(people.level_db, random).clamp(LEAST_DB + 2.0, -1.0),
+            // The level at which the bench's person feels a wire as strongly as the reference.
+            let reference = known.strength_db(task.reference, task.level_db);
+            let alike = |wire: u16| {
+                let level_db = reference.and_then(|strength| known.level_db(wire, strength));
+                level_db.unwrap_or(task.level_db) - task.level_db
+            };
+            let of_wire = |wire: &u16| Psychometric {
+                threshold: (alike(*wire) + drawn(people.level_db, random))
+                    .clamp(LEAST_DB + 2.0, -1.0),
                 slope: drawn(people.slope, random).max(0.5),
                 guess: lapse,
                 lapse,

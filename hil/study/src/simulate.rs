@@ -187,7 +187,7 @@ fn drawing(drawings: &[(f64, f64, usize)]) -> Option<Drawings> {
 
 /// A person's session from beginning to end.
 fn answered(protocol: &Protocol, number: u32, seed: u64, known: &Known) -> Answered {
-    let person = Person::new(protocol, number, seed);
+    let person = Person::new(protocol, number, seed, known);
     let mut session = Session::new(protocol.clone(), number, seed);
     let mut answered = Answered::default();
     while let Some(reply) = person.reply(protocol, session.step(), known) {

@@ -132,7 +132,6 @@ fn every_task_comes_back_from_people_who_answer_it() {
         .map(|c| (c.name.clone(), path.clone()));
     let known = Known {
         paths: names.collect(),
-        felt: Vec::new(),
         wires_mm: vec![
             [0.0, -14.25],
             [0.0, -4.75],
@@ -143,6 +142,7 @@ fn every_task_comes_back_from_people_who_answer_it() {
             [11.0, -4.75],
             [11.0, 4.75],
         ],
+        ..Known::default()
     };
     let of = Simulation {
         people: 100,
@@ -212,6 +212,7 @@ fn drawings_follow_what_is_felt() {
             felt: names()
                 .map(|name| (Stimulus::Condition(name), sensed.clone()))
                 .collect(),
+            ..Known::default()
         }
     };
     let of = Simulation { people: 2, seed: 1 };
@@ -270,4 +271,64 @@ fn people_point_at_what_is_felt() {
     // 960 guesses among eight wires: a share of 1/8 with a deviation of 0.011.
     let nowhere = places(&|_| None);
     assert!((nowhere.correct - 0.125).abs() < 0.045, "{nowhere:?}");
+}
+
+/// Thresholds and matches follow what a run's person feels of each wire: a wire that is felt 4 dB less has both 4 dB higher.
+#[test]
+fn levels_follow_what_the_person_of_the_run_feels() {
+    let mut protocol = load_protocol("wearer").unwrap().value;
+    let task = protocol.absolute_threshold.as_mut().unwrap();
+    (task.simulated.threshold_db.sd, task.simulated.wire_sd_db) = (0.0, 0.0);
+    let task = protocol.matching.as_mut().unwrap();
+    task.simulated.level_db.sd = 0.0;
+    let growth = |weaker: f64| {
+        let over = |level: f64, off: f64| [level, 1.5 * level + 18.0 - off];
+        let wire = |n: u16| {
+            let off = if n == 5 { weaker } else { 0.0 };
+            (
+                n,
+                (0..=20)
+                    .map(|n| over(2.0 * f64::from(n) - 40.0, off))
+                    .collect(),
+            )
+        };
+        Known {
+            growth: (0..8).map(wire).collect(),
+            ..Known::default()
+        }
+    };
+    let levels = |known: &Known| {
+        let person = Person::new(&protocol, 1, 1, known);
+        let of = |task| {
+            person.felt[&task]
+                .iter()
+                .map(|f| f.threshold)
+                .collect::<Vec<f64>>()
+        };
+        (of(TaskKind::AbsoluteThreshold), of(TaskKind::Matching))
+    };
+    let (thresholds, matches) = levels(&growth(0.0));
+    assert!(
+        thresholds.iter().all(|t| (t + 12.0).abs() < 1e-9),
+        "{thresholds:?}"
+    );
+    assert!(
+        matches.iter().all(|t| (t + 8.0).abs() < 1e-9),
+        "{matches:?}"
+    );
+    // 6 dB less over threshold are 4 dB of drive where 1 dB of drive makes 1.5 dB.
+    let (thresholds, matches) = levels(&growth(6.0));
+    let weak: Vec<f64> = thresholds.iter().map(|t| t + 12.0).collect();
+    assert!(
+        (weak[5] - 4.0).abs() < 1e-9 && weak[4].abs() < 1e-9,
+        "{weak:?}"
+    );
+    // Wire 5 is the fifth that is matched with wire 3.
+    assert!(
+        (matches[4] + 4.0).abs() < 1e-9 && (matches[0] + 8.0).abs() < 1e-9,
+        "{matches:?}"
+    );
+    // Beyond what was played levels go on, and a threshold that no level reaches stays at the end of the range.
+    let (silent, _) = levels(&growth(200.0));
+    assert!((silent[5] + 2.0).abs() < 1e-9, "{silent:?}");
 }

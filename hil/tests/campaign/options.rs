@@ -60,6 +60,7 @@ const COMMANDS: [(&[&str], Options); 26] = [
             ("--weight-exponent", Takes::Number),
             ("--stop-mm", Takes::Number),
             ("--weber", Takes::Number),
+            ("--vectors", Takes::Nothing),
             ("--rate", Takes::Number),
             ("--seed", Takes::Number),
             ("--scope", Takes::Word),

@@ -7,7 +7,7 @@ use super::*;
 const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level,members";
 
 /// A header and rows of counts.
-fn csv(taxels: usize, rows: impl Iterator<Item = Vec<u16>>) -> String {
+pub fn csv(taxels: usize, rows: impl Iterator<Item = Vec<u16>>) -> String {
     let names: Vec<_> = (1..=taxels)
         .map(|t| format!("txl{t}_x,txl{t}_y,txl{t}_z"))
         .collect();
@@ -47,7 +47,7 @@ pub fn recording(folder: &Folder, rows: usize) -> String {
 }
 
 /// The rows of the output as numbers.
-fn rows(text: &str) -> Vec<[f64; 9]> {
+pub fn rows(text: &str) -> Vec<[f64; 9]> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(HEADER));
     let number = |field: &str| field.parse::<f64>().unwrap_or_else(|_| panic!("`{field}`"));
@@ -59,7 +59,7 @@ fn rows(text: &str) -> Vec<[f64; 9]> {
         .collect()
 }
 
-fn contacts(file: &str, options: &[&str]) -> Vec<[f64; 9]> {
+pub fn contacts(file: &str, options: &[&str]) -> Vec<[f64; 9]> {
     let mut args = vec!["contacts", file, "--layout", "uskin-4x4", "--rate", "40"];
     args.extend(options);
     rows(&good(&args))

@@ -12,9 +12,17 @@ const SIZE: (f64, f64) = (900.0, 560.0);
 /// Width of the names at the right, pixels.
 const NAMES: f64 = 160.0;
 
-/// Draws a map: SVG as a file of its own. Trained textures have whole ellipses, unseen ones dashed. Ellipses are in
-/// view as a whole; of the points, the outermost hundredth at each end is not.
+/// Rules of [`drawing`], beside the style sheet of reports.
+pub const RULES: &str = ".faint{opacity:.35}.ring{stroke-width:2.2}.middle-mark{stroke-width:8}.unseen{stroke-dasharray:7 4}";
+
+/// Draws a map: SVG as a file of its own.
 pub fn draw(placed: &[Placed<'_>], view: View, title: &str) -> String {
+    drawing(placed, view, title).standalone(RULES)
+}
+
+/// The drawing of a map. Trained textures have whole ellipses, unseen ones dashed. Ellipses are in
+/// view as a whole; of the points, the outermost hundredth at each end is not.
+pub fn drawing(placed: &[Placed<'_>], view: View, title: &str) -> Svg {
     let range = |of: fn(&(f64, f64)) -> f64| {
         let points: Vec<f64> = placed.iter().flat_map(|p| &p.points).map(of).collect();
         let outline = placed.iter().flat_map(|p| p.spot.outline());
@@ -49,9 +57,7 @@ pub fn draw(placed: &[Placed<'_>], view: View, title: &str) -> String {
         svg.path(&middle, &format!("dots middle-mark w{}", i % 8));
     }
     names(&mut svg, &plot, placed);
-    svg.standalone(
-        ".faint{opacity:.35}.ring{stroke-width:2.2}.middle-mark{stroke-width:8}.unseen{stroke-dasharray:7 4}",
-    )
+    svg
 }
 
 fn within(share: &f64) -> bool {

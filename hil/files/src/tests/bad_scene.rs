@@ -37,7 +37,7 @@ fn scenes() {
             (
                 "kc = 1",
                 "kc = 1\nkx = 2",
-                "f.toml:16: compression.kx: expected one of the keys `kc`, `kc_touches`, `ki`, `levels`, `weight_exponent`, `norm`, `axes`, `scope`, `iterations`, `stop_mm`, found the unknown key `kx`",
+                "f.toml:16: compression.kx: expected one of the keys `kc`, `kc_touches`, `ki`, `levels`, `vectors`, `weight_exponent`, `norm`, `axes`, `scope`, `iterations`, `stop_mm`, found the unknown key `kx`",
             ),
             (
                 "ramp_s",

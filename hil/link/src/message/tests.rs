@@ -29,6 +29,7 @@ fn contact(id: u32) -> Contact {
         intensity: 412.5,
         level: 3,
         members: 5,
+        ..Contact::default()
     }
 }
 

@@ -129,6 +129,7 @@ fn circling(now: u64) -> Contact {
         intensity: 300.0,
         level: 1,
         members: 4,
+        ..Contact::default()
     }
 }
 

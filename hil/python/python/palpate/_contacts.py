@@ -33,6 +33,7 @@ def contacts(
     norm: Literal["l1", "l2", "linf"] = "l2",
     axes: Literal["xyz", "z"] = "xyz",
     scope: Literal["module", "skin"] = "module",
+    vectors: bool = False,
     drift_s: float | None = None,
     faulty_deviations: float | None = None,
     skip_repeats: bool = False,
@@ -57,6 +58,8 @@ def contacts(
         norm: Norm of the weights.
         axes: Axes to use: all three, or the normal one.
         scope: Whether ``kc`` and ``ki`` apply to each module or to the whole skin.
+        vectors: Whether intensities and levels are found along x, y and z, (4.9) to (4.15), in place of their magnitudes;
+            levels are numbered by strength.
         drift_s: Time constant with which the reference follows taxels that are not in contact, s. Default: 5 with
             per-taxel thresholds; with other thresholds the reference stays fixed.
         faulty_deviations: Leave out taxels whose first row is more than so many standard deviations from their axis's
@@ -92,6 +95,7 @@ def contacts(
             "norm": norm,
             "axes": axes,
             "scope": scope,
+            "vectors": vectors,
             "drift_s": drift_s,
             "faulty_deviations": faulty_deviations,
             "skip_repeats": skip_repeats,

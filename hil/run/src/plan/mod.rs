@@ -29,12 +29,12 @@ use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::projector::{OutputSettings, Plan, SensingPlan, View, Window, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
 use palpate_core::skin::{
-    Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module, Protocol,
+    Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module, Protocol, Seam,
 };
 use palpate_core::units::{Board, Channel, Clock, Duration, Instant, Milliamps, Point, Prescale};
 
 use crate::failure::Failure;
-use palpate_files::{Setup, Transducer};
+use palpate_files::{LayoutSeam, Setup, Transducer};
 
 /// Millimetres of a file as the core counts them.
 fn point([x, y]: [f64; 2]) -> Point {
@@ -90,7 +90,16 @@ pub fn layout(file: &palpate_files::SensorLayout) -> Result<Layout, Failure> {
         .iter()
         .map(|m| module(m, file.axes, protocol))
         .collect::<Result<_, _>>();
-    let built = modules.and_then(Layout::new);
+    let seam = |seam: &LayoutSeam| {
+        Some(Seam {
+            modules: seam.indices(&file.modules)?,
+            edges: seam.edges_mm.map(|edge| edge.map(point)),
+        })
+    };
+    let seams: Vec<Seam> = file.seams.iter().filter_map(seam).collect();
+    let built = modules
+        .and_then(Layout::new)
+        .and_then(|layout| layout.with_seams(&seams));
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
 
@@ -461,6 +470,7 @@ fn assembled(
                 norm: scene.compression.norm,
                 exponent: scene.compression.weight_exponent as f32,
                 levels,
+                vectors: scene.compression.vectors,
                 seed,
                 max_iterations: scene.compression.iterations,
                 tolerance: scene.compression.stop_mm as f32,

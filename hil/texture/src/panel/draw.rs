@@ -54,8 +54,13 @@ fn ratings(rated: &Rated, dimension: Dimension) -> (Option<&[u8]>, Option<&[u8]>
     let place = Dimension::ALL.iter().position(|d| *d == dimension);
     let bare = place.and_then(|d| Some(rated.bare.as_ref()?[d].as_slice()));
     let shown = ON_DISPLAY.iter().position(|d| *d == dimension);
-    (bare, shown.map(|d| rated.display[d].as_slice()))
+    let shown = shown.map(|d| rated.display[d].as_slice());
+    (bare, shown.filter(|ratings| !ratings.is_empty()))
 }
+
+/// Rules of [`drawing`], beside the style sheet of reports.
+pub const RULES: &str =
+    ".box{fill-opacity:.15}.box.w0{fill:var(--w0)}.box.w1{fill:var(--w1)}.bold{stroke-width:3.2}";
 
 /// Draws a study: SVG as a file of its own.
 pub fn draw(study: &Study, title: &str) -> String {
@@ -64,6 +69,13 @@ pub fn draw(study: &Study, title: &str) -> String {
         .into_iter()
         .filter(|d| touched || ON_DISPLAY.contains(d))
         .collect();
+    drawing(study, &dimensions, title).standalone(RULES)
+}
+
+/// The drawing of some dimensions of a study.
+pub fn drawing(study: &Study, dimensions: &[Dimension], title: &str) -> Svg {
+    let touched = study.textures.iter().any(|t| t.bare.is_some());
+    let shown = study.textures.iter().any(|t| !t.shown.is_empty());
     let height = TOP + dimensions.len() as f64 * (HEIGHT + GAP);
     let width = WIDTH.max(MARGINS + EACH * study.textures.len() as f64);
     let mut svg = Svg::new(width, height, title);
@@ -76,13 +88,15 @@ pub fn draw(study: &Study, title: &str) -> String {
     };
     if touched {
         key(20.0, "w0", "bare finger");
+    }
+    if touched && shown {
         key(130.0, "w1", "display");
         let star = format!("* differ: Mann-Whitney U, p < {SIGNIFICANT}");
         svg.text((220.0, 69.0), "note", &star);
-    } else {
+    } else if shown {
         key(20.0, "w1", "display");
     }
-    for (row, &dimension) in dimensions.iter().enumerate() {
+    for (row, dimension) in dimensions.iter().copied().enumerate() {
         let plot = Plot {
             left: 64.0,
             top: TOP + 10.0 + row as f64 * (HEIGHT + GAP),
@@ -115,7 +129,5 @@ pub fn draw(study: &Study, title: &str) -> String {
         }
         plot.frame(&mut svg);
     }
-    svg.standalone(
-        ".box{fill-opacity:.15}.box.w0{fill:var(--w0)}.box.w1{fill:var(--w1)}.bold{stroke-width:3.2}",
-    )
+    svg
 }

@@ -7,6 +7,7 @@ mod frames;
 mod kernels;
 mod panels;
 mod peers;
+mod side_by_side;
 mod textbook;
 
 use crate::findings::Findings;
@@ -20,6 +21,7 @@ pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::new("compression");
     kernels::measure(&mut findings)?;
     frames::measure(&mut findings)?;
+    side_by_side::measure(&mut findings)?;
     figures::measure(&mut findings)?;
     Ok(findings)
 }
