@@ -43,8 +43,8 @@ def between(env: Felt) -> Any:
         place = weights @ at / weights.sum()
         away = np.hypot(*(wires - place).T)
         near = np.where(away <= np.sort(away)[2], np.sqrt(np.clip(1 - away / 14.0, 0, 1)), 0)
-        # A fifth of full drive is what the guard lets three wires have all the time.
-        made: np.ndarray[Any, Any] = (0.2 * near / near.max()).astype(np.float32)
+        # Three tenths of full drive are felt, and the guard lets three wires have them all the time.
+        made: np.ndarray[Any, Any] = (0.3 * near / near.max()).astype(np.float32)
         return made
 
     return policy
