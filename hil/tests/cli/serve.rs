@@ -101,12 +101,8 @@ impl Served {
 
     pub(super) fn ended(mut self) -> (Option<i32>, String) {
         let mut out = String::new();
-        self.run
-            .stdout
-            .take()
-            .unwrap()
-            .read_to_string(&mut out)
-            .unwrap();
+        let mut stdout = self.run.stdout.take().unwrap();
+        stdout.read_to_string(&mut out).unwrap();
         (self.run.wait().unwrap().code(), out)
     }
 }
