@@ -143,8 +143,12 @@ fn page(done: &[(&Row, Answer)]) -> String {
     };
     let figure = |(row, answer): &(&Row, Answer)| {
         let panels = answer.panels.iter();
+        // Boxes of eight surfaces are read at their own width: a narrow page scrolls them.
         let panels: String = panels
-            .map(|svg| format!("<figure>{svg}</figure>"))
+            .map(|svg| match svg.contains("box") {
+                true => format!("<figure class=\"wide\" tabindex=\"0\">{svg}</figure>"),
+                false => format!("<figure>{svg}</figure>"),
+            })
             .collect();
         match panels.is_empty() {
             true => panels,
@@ -155,7 +159,7 @@ fn page(done: &[(&Row, Answer)]) -> String {
         }
     };
     format!(
-        "{}<style>{}{}.row figure{{flex:1 1 300px}}.row figure:has(.box){{flex-basis:100%}}.row svg{{max-height:420px}}</style><header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}{}",
+        "{}<style>{}{}.row figure{{flex:1 1 300px}}.row figure.wide{{flex-basis:100%}}.row svg{{max-height:420px}}</style><header><h1>The thesis, reproduced</h1><p class=\"sub\">{}</p></header>\n<section>{}</section>\n{}{}",
         head("The thesis, reproduced"),
         map::RULES,
         boxes::RULES,
