@@ -157,30 +157,22 @@ impl Motors {
         (level, until, reason)
     }
 
-    /// Books a time at a level, and the rise that overdrive adds to it, K.
-    fn book(
-        &mut self,
-        index: usize,
-        level: Ticks,
-        (at, until): (Instant, Instant),
-        overdriven_k: f64,
-    ) {
+    /// Books a burst of a level, with overdrive at both of its ends.
+    fn book(&mut self, index: usize, level: Ticks, (at, until): (Instant, Instant)) {
         let (l, before) = (self.limits, self.rise_k(index, at));
         let used = 1.0 - STEADY * l.duty;
         let left_s = self.left_s(index, at) - used * until.since(at).as_secs_f64();
         let (volts, kept) = (l.volts(level), l.left(until.since(at)));
         let motor = &mut self.each[index];
-        motor.rise_k = before * kept + l.rise_k_v2 * volts * volts * (1.0 - kept) + overdriven_k;
+        motor.rise_k =
+            before * kept + l.rise_k_v2 * volts * volts * (1.0 - kept) + l.overdriven_k();
         motor.left_s = left_s;
         motor.at = until.max(motor.at);
     }
 
-    /// Books the time for which a motor was on beyond its end, as if the burst had been asked for until then: its overdrive is
-    /// booked, but the brake's part comes later and has cooled less.
+    /// Books the time for which a motor was on beyond its end.
     pub(super) fn late(&mut self, index: usize, width: u16, (until, off): (Instant, Instant)) {
-        let cooled = 1.0 - self.limits.left(off.since(until));
-        let overdriven_k = cooled * self.limits.overdriven_k();
-        self.book(index, Ticks::new(width), (until, off), overdriven_k);
+        self.book(index, Ticks::new(width), (until, off));
     }
 }
 
@@ -363,8 +355,7 @@ impl Guard {
         if level == Ticks::ZERO || until <= at {
             return nothing(reason);
         }
-        let overdriven_k = motors.limits.overdriven_k();
-        motors.book(index, level, (at, until), overdriven_k);
+        motors.book(index, level, (at, until));
         self.extend_burst(index, at, until, 0);
         let cut = (asked.until < s.until).then_some(Reason::Burst);
         Passed::of_motor(level, until, reason.or(cut))

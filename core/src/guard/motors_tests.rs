@@ -265,23 +265,12 @@ fn an_update_says_whether_it_changes_anything_and_is_confirmed() {
 }
 
 #[test]
-fn a_late_end_counts_as_if_it_had_been_asked_for() {
-    let mut late = guard(EASY);
-    one(&mut late, 4096, ms(0), ms(100));
-    let booked = late.coil_rise_k(ms(100));
-    late.expire_vibration(ms(300), Board(0)).unwrap();
-    let mut asked = guard(EASY);
-    one(&mut asked, 4096, ms(0), ms(300));
-    let [late_k, asked_k] = [&late, &asked].map(|guard| guard.coil_rise_k(ms(300)));
-    assert!(
-        late_k > booked && (late_k - asked_k).abs() < 1e-12,
-        "{late_k} {asked_k}"
-    );
-    let [late_s, asked_s] = [&late, &asked].map(|guard| {
-        let motors = guard.motors.as_ref().unwrap();
-        motors.left_s(0, ms(300))
-    });
-    assert!((late_s - asked_s).abs() < 1e-12, "{late_s} {asked_s}");
+fn a_late_end_counts_as_time_and_heat() {
+    let mut guard = guard(EASY);
+    one(&mut guard, 4096, ms(0), ms(100));
+    let booked = guard.coil_rise_k(ms(100));
+    guard.expire_vibration(ms(300), Board(0)).unwrap();
+    assert!(guard.coil_rise_k(ms(300)) > booked);
 }
 
 #[test]
