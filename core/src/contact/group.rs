@@ -71,17 +71,28 @@ struct Memory {
 }
 
 /// The intensity at a place of a module, in its coordinates, and its parts along the axes (4.9).
+#[inline(always)] // in every frame: vectors are the rare case, and out of its way
 fn between(shared: &Shared, frame: &RelativeFrame, m: usize, place: Point) -> (f32, [f32; 3]) {
+    if shared.settings.vectors {
+        return vector_between(shared, frame, m, place);
+    }
+    let (module, range) = (&shared.layout.modules()[m], frame.range(m));
+    let (values, usable) = (&frame.magnitude()[range.clone()], &frame.usable()[range]);
+    (intensity(module, values, usable, place), [0.0; 3])
+}
+
+#[inline(never)]
+fn vector_between(
+    shared: &Shared,
+    frame: &RelativeFrame,
+    m: usize,
+    place: Point,
+) -> (f32, [f32; 3]) {
     let (module, range) = (&shared.layout.modules()[m], frame.range(m));
     let usable = &frame.usable()[range.clone()];
-    let at = |values: &[f32]| intensity(module, &values[range.clone()], usable, place);
-    match shared.settings.vectors {
-        true => {
-            let vector @ [x, y, z] = core::array::from_fn(|axis| at(frame.axis(axis)));
-            (libm::sqrtf(x * x + y * y + z * z), vector)
-        }
-        false => (at(frame.magnitude()), [0.0; 3]),
-    }
+    let along = |axis| intensity(module, &frame.axis(axis)[range.clone()], usable, place);
+    let vector @ [x, y, z] = core::array::from_fn(along);
+    (libm::sqrtf(x * x + y * y + z * z), vector)
 }
 
 /// Returns true where contacts follow from the axes, and not from magnitudes alone.
@@ -320,6 +331,7 @@ impl Group {
     }
 
     /// More taxels than contacts, on a skin whose modules join: K-means along the skin.
+    #[inline(never)]
     fn cluster_along(&mut self, shared: &Shared, frame: &RelativeFrame, indices: &[u32]) {
         let Some(mut along) = self.along.take() else {
             return;

@@ -15,6 +15,7 @@ const RADIUS: f32 = 2.5;
 
 /// The magnitude at `place` (module coordinates, mm), counts. `magnitude` and `usable` cover the module's taxels.
 /// 0 if none is usable. Never leaves the range of the values it weighs by more than rounding.
+#[inline(always)] // in every frame
 pub fn intensity(module: &Module, magnitude: &[f32], usable: &[bool], place: Point) -> f32 {
     let on_grid = module
         .as_grid()

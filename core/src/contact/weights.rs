@@ -9,6 +9,7 @@ use crate::skin::relative::RelativeFrame;
 const FLOOR: f32 = 1e-30;
 
 /// Fills `weights` for the taxels `indices`, in their order; both of one length, indices within the frame.
+#[inline(always)] // in every frame
 pub fn fill(
     frame: &RelativeFrame,
     indices: &[u32],
