@@ -106,7 +106,7 @@ fn clusters_join_round_a_tube() {
     assert!(found(&strip).iter().any(|c| c.members != 4));
 }
 
-/// Where the drawing is the unfolded skin, contacts along the skin are those of the plane.
+/// Contacts along a skin whose drawing is the unfolded skin are those of the plane.
 #[test]
 fn a_flat_skin_with_seams_gives_the_contacts_of_the_plane() {
     let flat = pads(&[at(0.0, 0.0), at(20.0, 0.0), at(40.0, 0.0)]);

@@ -14,7 +14,7 @@ pub struct Skin {
 }
 
 /// The four skins of the generator.
-pub fn skins() -> Vec<Skin> {
+pub fn skins() -> [Skin; 4] {
     let skin = |name, module: Module, rest, noise, most, force, floor| Skin {
         name,
         layout: Layout::single(module).unwrap(),
@@ -30,7 +30,7 @@ pub fn skins() -> Vec<Skin> {
             .and_then(|m| m.with_axes(1))
             .unwrap()
     };
-    Vec::from([
+    [
         skin(
             "4x4",
             Module::grid("pad", 4, 4, 4.7).unwrap(),
@@ -67,5 +67,5 @@ pub fn skins() -> Vec<Skin> {
             [150.0, 2000.0],
             20.0,
         ),
-    ])
+    ]
 }
