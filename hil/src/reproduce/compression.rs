@@ -277,8 +277,18 @@ fn vectors() -> Result<Answer, Failure> {
         .map(|v| format!("({:.0}, {:.0}, {:.0})", v[0], v[1], v[2]));
     let pairs = contacts.iter().zip(&plain);
     let others = pairs.filter(|(c, plain)| c.level != plain.level).count();
+    let off = |c: &Contact, level: &[f32; 3]| -> f32 {
+        let axes = level.iter().zip(c.vector);
+        axes.map(|(l, v)| (l - v) * (l - v)).sum()
+    };
+    let is_nearest = |c: &Contact| {
+        let own = table.values().get(usize::from(c.level) - 1);
+        own.is_some_and(|own| table.values().iter().all(|l| off(c, own) <= off(c, l)))
+    };
     Ok(Answer::new(
-        Mark::Agrees,
+        Mark::new(contacts.iter().all(is_nearest), || {
+            "a contact has another level than the nearest one".into()
+        }),
         format!(
             "Levels at {} counts; {others} of ten contacts get another level than by magnitude.",
             told.collect::<Vec<_>>().join(", ")
