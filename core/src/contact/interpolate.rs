@@ -28,10 +28,9 @@ pub fn intensity(module: &Module, magnitude: &[f32], usable: &[bool], place: Poi
 
 fn bilinear(grid: &Grid, magnitude: &[f32], usable: &[bool], place: Point) -> Option<f32> {
     let cell = |at: f32, n: u16| {
-        let last = f32::from(n - 1);
-        let at = at.clamp(0.0, last);
-        let low = libm::floorf(at).min((last - 1.0).max(0.0));
-        (low as usize, at - low)
+        let at = at.clamp(0.0, f32::from(n - 1));
+        let low = (at as u16).min(n.saturating_sub(2));
+        (usize::from(low), at - f32::from(low))
     };
     let first = grid.place(0, 0);
     let (col, right) = cell((place.x - first.x) / grid.pitch_x, grid.cols);

@@ -246,7 +246,8 @@ impl Part<'_> {
     /// Signed distance of a reading from its reference along x, y, z, counts; 0 where the axis is not chosen.
     #[inline]
     pub(super) fn away(&self, taxel: usize, counts: [u16; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|axis| self.along(axis, taxel, counts))
+        let along = |axis| self.along(axis, taxel, counts);
+        [along(0), along(1), along(2)]
     }
 
     /// Signed distance of a reading from its reference along one axis.
