@@ -3,7 +3,6 @@
 mod head;
 mod painter;
 
-pub use head::style_word;
 pub(crate) use painter::Memory;
 pub use painter::Painter;
 
