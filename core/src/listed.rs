@@ -1,6 +1,7 @@
 //! Closed lists whose values have words in files and records.
 
 /// An enum from one list of its values and their words: the enum itself, `ALL` in the same order, and the words.
+#[macro_export]
 macro_rules! listed {
     ($(#[$about:meta])* pub enum $name:ident: $word:ident {
         $($(#[$doc:meta])* $variant:ident = $text:literal),+ $(,)?

@@ -33,28 +33,27 @@ impl<I: I2c> Banks<I> {
     /// [`Pca9685Bank::sharing`]. `channels` has those of all boards.
     #[must_use]
     pub fn sharing(self, channels: &[u16]) -> Self {
-        let mut rest = channels;
-        let share = |bank: Pca9685Bank<I>| {
-            let (own, others) = rest.split_at(bank.numbers().count().min(rest.len()));
-            rest = others;
-            bank.sharing(own)
-        };
-        Self {
-            banks: self.banks.into_iter().map(share).collect(),
-        }
+        self.divided(channels, Pca9685Bank::sharing)
     }
 
     /// Returns the banks with a converter for each board, as in [`Pca9685Bank::with_converters`].
     #[must_use]
     pub fn with_converters(self, addresses: &[u8], full_scale: Milliamps) -> Self {
-        let mut rest = addresses;
-        let add = |bank: Pca9685Bank<I>| {
+        self.divided(addresses, |bank, own| bank.with_converters(own, full_scale))
+    }
+
+    fn divided<T>(
+        self,
+        mut rest: &[T],
+        give: impl Fn(Pca9685Bank<I>, &[T]) -> Pca9685Bank<I>,
+    ) -> Self {
+        let share = |bank: Pca9685Bank<I>| {
             let (own, others) = rest.split_at(bank.numbers().count().min(rest.len()));
             rest = others;
-            bank.with_converters(own, full_scale)
+            give(bank, own)
         };
         Self {
-            banks: self.banks.into_iter().map(add).collect(),
+            banks: self.banks.into_iter().map(share).collect(),
         }
     }
 

@@ -1,44 +1,34 @@
 //! The watchdog: sensor age, tick lateness and link, and the cause for which everything stays off.
 
+use crate::listed::listed;
 use crate::units::{Duration, Instant};
 
-/// Causes for which everything is switched off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}", self.word())]
-#[non_exhaustive]
-pub enum Cause {
-    /// No sensor frame for longer than the limit while a wire was driven.
-    #[error("{}: no sensor frame for 100 ms while a wire was driven", self.word())]
-    StaleInput,
-    /// The actuator bus reported an error.
-    ActuatorError,
-    /// The sensor bus reported an error.
-    SensorError,
-    /// The loop was called too late to end a stimulus in time.
-    #[error("{}: this computer was too late to end a stimulus in time", self.word())]
-    LateTick,
-    /// The run ended.
-    End,
-    /// The reference of the skin is taken anew.
-    Rezero,
-    /// A wire was on for longer than a burst may be, because it went off too late.
-    Overrun,
+listed! {
+    /// Causes for which everything is switched off.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+    #[error("{}", self.word())]
+    #[non_exhaustive]
+    pub enum Cause: word {
+        /// No sensor frame for longer than the limit while a wire was driven.
+        #[error("{}: no sensor frame for 100 ms while a wire was driven", self.word())]
+        StaleInput = "stale-input",
+        /// The actuator bus reported an error.
+        ActuatorError = "actuator-error",
+        /// The sensor bus reported an error.
+        SensorError = "sensor-error",
+        /// The loop was called too late to end a stimulus in time.
+        #[error("{}: this computer was too late to end a stimulus in time", self.word())]
+        LateTick = "late-tick",
+        /// The run ended.
+        End = "end",
+        /// The reference of the skin is taken anew.
+        Rezero = "rezero",
+        /// A wire was on for longer than a burst may be, because it went off too late.
+        Overrun = "overrun",
+    }
 }
 
 impl Cause {
-    /// The cause's word in a schedule file.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::StaleInput => "stale-input",
-            Self::ActuatorError => "actuator-error",
-            Self::SensorError => "sensor-error",
-            Self::LateTick => "late-tick",
-            Self::End => "end",
-            Self::Rezero => "rezero",
-            Self::Overrun => "overrun",
-        }
-    }
-
     /// The cause to keep of this one and a later one: this one, except that an overrun replaces a failed bus.
     #[must_use]
     pub(crate) const fn followed_by(self, later: Self) -> Self {

@@ -1,5 +1,6 @@
 //! Timing of stimuli: onset asynchrony and duration.
 
+use crate::listed::listed;
 use crate::schedule::Timing;
 use crate::units::Duration;
 
@@ -9,25 +10,19 @@ pub const LONGEST: Duration = Duration::from_micros(48_800);
 /// Duration where neither it nor an onset asynchrony is stated (thesis chapter 5).
 const USUAL: Duration = Duration::from_millis(35);
 
-/// Study by which the missing one of duration and onset asynchrony is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TimingLaw {
-    /// `SOA = 0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush), found on the back.
-    #[default]
-    TactileBrush,
-    /// 115 ms between onsets, the middle of the 105 to 125 ms at which a fingerpad mostly felt motion.
-    Fingerpad,
+listed! {
+    /// Study by which the missing one of duration and onset asynchrony is found.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum TimingLaw: name {
+        /// `SOA = 0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush), found on the back.
+        #[default]
+        TactileBrush = "tactile-brush",
+        /// 115 ms between onsets, the middle of the 105 to 125 ms at which a fingerpad mostly felt motion.
+        Fingerpad = "fingerpad",
+    }
 }
 
 impl TimingLaw {
-    /// Name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::TactileBrush => "tactile-brush",
-            Self::Fingerpad => "fingerpad",
-        }
-    }
-
     /// Checks a timing; the law gives the part that is not stated, durations not above [`LONGEST`].
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! Thermistors: a converter's code becomes a temperature, or the sensor's defect.
 
+use crate::listed::listed;
 use crate::physics::{Thermistor, ZERO_CELSIUS_K};
 
 /// Codes above this are of no thermistor colder than -15 degrees C: the lead is open.
@@ -7,29 +8,20 @@ const OPEN_ABOVE: u16 = 3700;
 /// Codes below this are of none hotter than 80 degrees C: the leads touch.
 const SHORT_BELOW: u16 = 400;
 
-/// Reasons for which a thermistor tells no temperature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
-#[non_exhaustive]
-pub enum SensorFault {
-    /// A lead is broken.
-    #[error("thermistor: a lead is broken")]
-    Open,
-    /// The leads touch.
-    #[error("thermistor: the leads touch")]
-    Short,
-    /// No conversion has come for too long.
-    #[error("thermistor: no conversion has come for too long")]
-    Stale,
-}
-
-impl SensorFault {
-    /// The word of records.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Open => "sensor-open",
-            Self::Short => "sensor-short",
-            Self::Stale => "sensor-stale",
-        }
+listed! {
+    /// Reasons for which a thermistor tells no temperature.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum SensorFault: word {
+        /// A lead is broken.
+        #[error("thermistor: a lead is broken")]
+        Open = "sensor-open",
+        /// The leads touch.
+        #[error("thermistor: the leads touch")]
+        Short = "sensor-short",
+        /// No conversion has come for too long.
+        #[error("thermistor: no conversion has come for too long")]
+        Stale = "sensor-stale",
     }
 }
 

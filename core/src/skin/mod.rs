@@ -29,5 +29,5 @@ pub use relative::{Axes, FrameError, RelativeFrame};
 pub use scan::{Scan, WrongLength};
 pub use seams::Seam;
 pub use sense::Sense;
-pub use source::{ModuleScan, ScanError, SkinSource};
+pub use source::{ModuleScan, ScanError, SkinSource, TakeScan};
 pub use uskin::CanSkin;

@@ -32,6 +32,9 @@ impl<'a> ModuleScan<'a> {
     }
 }
 
+/// Taker of scans, as [`SkinSource::scans`] hands them on.
+pub type TakeScan<'a> = dyn FnMut(&ModuleScan<'_>) + 'a;
+
 /// Source of a skin's scans for the loop.
 pub trait SkinSource {
     /// Error of the source. The loop switches everything off for it.
@@ -52,11 +55,7 @@ pub trait SkinSource {
 impl SkinSource for () {
     type Error = Infallible;
 
-    fn scans(
-        &mut self,
-        _now: Instant,
-        _take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Infallible> {
+    fn scans(&mut self, _now: Instant, _take: &mut TakeScan<'_>) -> Result<(), Infallible> {
         Ok(())
     }
 }

@@ -98,14 +98,6 @@ impl Motor {
         }
     }
 
-    /// Temperature of the coil, degrees C.
-    pub const fn coil_c(&self) -> f64 {
-        match self {
-            Self::Lra(lra) => lra.coil.celsius,
-            Self::Erm(erm) => erm.coil.celsius,
-        }
-    }
-
     /// Temperature of the coil over that of the air, K.
     pub const fn coil_rise_k(&self) -> f64 {
         match self {

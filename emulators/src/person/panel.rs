@@ -18,30 +18,20 @@ use palpate_core::statistics::mean;
 use crate::person::channels::Kick;
 use crate::sensor::surface::{self, SurfaceTexture};
 
-/// Dimension that is rated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// Very soft to very hard.
-    Hardness,
-    /// Very smooth to very rough.
-    Roughness,
-    /// Very slippery to very sticky.
-    Friction,
+palpate_core::listed! {
+    /// Dimension that is rated.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Dimension: name {
+        /// Very soft to very hard.
+        Hardness = "hardness",
+        /// Very smooth to very rough.
+        Roughness = "roughness",
+        /// Very slippery to very sticky.
+        Friction = "friction",
+    }
 }
 
 impl Dimension {
-    /// All dimensions, in the order of the thesis.
-    pub const ALL: [Self; 3] = [Self::Hardness, Self::Roughness, Self::Friction];
-
-    /// Name in figures.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Hardness => "hardness",
-            Self::Roughness => "roughness",
-            Self::Friction => "friction",
-        }
-    }
-
     /// Standard deviation of people's biases, rating points.
     const fn bias(self) -> f64 {
         match self {

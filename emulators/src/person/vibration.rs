@@ -50,13 +50,7 @@ impl Feeler {
     /// # Errors
     /// A threshold that is not above 0, by name.
     pub fn new(person: Person, places: &[(f64, f64)]) -> Result<Self, ParameterError> {
-        let above = |name, value: f64| match value.is_finite() && value > 0.0 {
-            true => Ok(()),
-            false => Err(ParameterError { name }),
-        };
-        above("vibration_um", person.vibration_um)?;
-        above("flutter_um", person.flutter_um)?;
-        above("np2_um", person.np2_um.unwrap_or(1.0))?;
+        person.check_thresholds()?;
         Ok(Self {
             person,
             places: places.to_vec(),

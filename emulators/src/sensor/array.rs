@@ -6,7 +6,7 @@ use std::convert::Infallible;
 
 use palpate_core::codec::uskin::Reading;
 use palpate_core::random::RandomStream;
-use palpate_core::skin::{ModuleScan, SkinSource};
+use palpate_core::skin::{ModuleScan, SkinSource, TakeScan};
 use palpate_core::units::Instant;
 
 use super::module::EmulatedModule;
@@ -117,11 +117,7 @@ impl SkinArray {
 impl SkinSource for SkinArray {
     type Error = Infallible;
 
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Infallible> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Infallible> {
         while let Some(scan) = self.way.pop_front_if(|scan| scan.arrives <= now.into()) {
             let at = Instant::from_micros(scan.arrives.as_micros());
             let mut from = 0;

@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::error::FileError;
-use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
+use super::layout::LayoutFile;
 use super::loaded::Loaded;
 use super::overrides::Overrides;
 use super::scene::Scene;
@@ -51,9 +51,17 @@ impl Setup {
         }
         let wearer = text("wearer.toml").map(|_| named("wearer.toml"));
         let wearer = wearer.transpose()?;
+        let layout = |source: Source| -> Result<_, FileError> {
+            let value = LayoutFile::read(&source)?;
+            Ok(Loaded { value, source })
+        };
+        let Loaded { value, source } = layout(named("display.toml")?)?;
+        let LayoutFile::Display(value) = value else {
+            return Err(source.bad("kind", "\"display\""));
+        };
         Ok(Self {
-            sensor: sensor(named("sensor.toml")?)?,
-            display: display(named("display.toml")?)?,
+            sensor: layout(named("sensor.toml")?)?.skin()?,
+            display: Loaded { value, source },
             limits: Loaded::read(named("limits.toml")?)?,
             wire: Loaded::read(named("wire.toml")?)?,
             alloy: Loaded::read(named("alloy.toml")?)?,
@@ -73,20 +81,6 @@ impl Setup {
             scene,
             bench,
         })
-    }
-}
-
-fn sensor(source: Source) -> Result<Loaded<SensorLayout>, FileError> {
-    match LayoutFile::read(&source)? {
-        LayoutFile::Sensor(value) => Ok(Loaded { value, source }),
-        LayoutFile::Display(_) => Err(source.bad("kind", "\"sensor\"")),
-    }
-}
-
-fn display(source: Source) -> Result<Loaded<DisplayLayout>, FileError> {
-    match LayoutFile::read(&source)? {
-        LayoutFile::Display(value) => Ok(Loaded { value, source }),
-        LayoutFile::Sensor(_) => Err(source.bad("kind", "\"display\"")),
     }
 }
 

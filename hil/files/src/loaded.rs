@@ -99,10 +99,16 @@ files! {
 /// # Errors
 /// The errors of [`load_layout`], and a layout of the other kind.
 pub fn load_skin(name: &str) -> Result<Loaded<SensorLayout>, FileError> {
-    let Loaded { value, source } = load_layout(name)?;
-    match value {
-        LayoutFile::Sensor(value) => Ok(Loaded { value, source }),
-        LayoutFile::Display(_) => Err(source.bad("kind", "\"sensor\"")),
+    load_layout(name)?.skin()
+}
+
+impl Loaded<LayoutFile> {
+    pub(super) fn skin(self) -> Result<Loaded<SensorLayout>, FileError> {
+        let source = self.source;
+        match self.value {
+            LayoutFile::Sensor(value) => Ok(Loaded { value, source }),
+            LayoutFile::Display(_) => Err(source.bad("kind", "\"sensor\"")),
+        }
     }
 }
 

@@ -123,22 +123,14 @@ impl Table {
             return None;
         }
         let names = above(2).filter(|line| line.numbers == 0);
-        Some(match (above(1), names) {
-            (Some(units), Some(names)) if names.distinct >= units.distinct => Self {
-                width,
-                begin: begin_of(2),
-                has_units: true,
-            },
-            (Some(_), _) => Self {
-                width,
-                begin: begin_of(1),
-                has_units: false,
-            },
-            (None, _) => Self {
-                width,
-                begin: begin_of(0),
-                has_units: false,
-            },
+        let (by, has_units) = match (above(1), names) {
+            (Some(units), Some(names)) if names.distinct >= units.distinct => (2, true),
+            (heading, _) => (usize::from(heading.is_some()), false),
+        };
+        Some(Self {
+            width,
+            begin: begin_of(by),
+            has_units,
         })
     }
 }

@@ -14,7 +14,6 @@ use super::order::{Group, groups, is_computed, listed};
 use super::resolve::FileKind;
 use super::rows::opened;
 use super::taken::Wrong;
-use super::times::TimeUnit;
 
 /// Rows per second that are assumed where nothing says.
 const RATE_HZ: f64 = 100.0;
@@ -309,13 +308,7 @@ fn times(
     proposal
         .understood
         .push(("times", format!("column {}, {noun}", quoted(&column))));
-    let unit = match unit {
-        TimeUnit::S => "s",
-        TimeUnit::Ms => "ms",
-        TimeUnit::Us => "us",
-        TimeUnit::Ns => "ns",
-        TimeUnit::Date => "date",
-    };
+    let unit = unit.word();
     if note.is_some_and(|note| note.contains("by its numbers")) {
         proposal.assume(
             format!("times count {noun}, by their numbers"),

@@ -351,14 +351,19 @@ pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
 /// # Errors
 /// A layout that cannot be, or that does not fit the recipe.
 pub fn plan_of(recipe: &Loaded<Recipe>) -> Result<(RecipePlan, SensorLayout), FileError> {
-    let Loaded { value, source } = recipe;
-    let LayoutFile::Sensor(layout) = recipe.refer::<LayoutFile>(&value.layout, "layout")?.value
-    else {
+    let layout = skin_of(recipe, &recipe.value.layout)?.value;
+    let plan = RecipePlan::new(&recipe.value, &recipe.source, &layout)?;
+    Ok((plan, layout))
+}
+
+fn skin_of<T>(file: &Loaded<T>, name: &str) -> Result<Loaded<SensorLayout>, FileError> {
+    let Loaded { value, source } = file.refer(name, "layout")?;
+    let LayoutFile::Sensor(value) = value else {
         let expected = "a layout of kind \"sensor\"";
-        let found = format!("the display `{}`", value.layout);
-        return Err(source.bad_found("layout", expected, found));
+        let found = format!("the display `{name}`");
+        return Err(file.source.bad_found("layout", expected, found));
     };
-    Ok((RecipePlan::new(value, source, &layout)?, layout))
+    Ok(Loaded { value, source })
 }
 
 /// The skin of a scene.
@@ -366,13 +371,8 @@ pub fn plan_of(recipe: &Loaded<Recipe>) -> Result<(RecipePlan, SensorLayout), Fi
 /// # Errors
 /// A value of its layout that is refused, or that does not fit the scene.
 pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
-    let name = &scene.value.layout;
-    let Loaded { value, source } = scene.refer::<LayoutFile>(name, "layout")?;
-    let LayoutFile::Sensor(mut sensor) = value else {
-        let expected = "a layout of kind \"sensor\"";
-        let found = format!("the display `{name}`");
-        return Err(scene.source.bad_found("layout", expected, found));
-    };
+    let mut loaded = skin_of(scene, &scene.value.layout)?;
+    let sensor = &mut loaded.value;
     if let Some(bus) = scene.value.boards.bus {
         let wired = sensor.modules.iter_mut().filter_map(|m| m.bus.as_mut());
         wired.for_each(|of_module| *of_module = bus);
@@ -383,7 +383,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
             return Err(scene.source.bad("boards.bus", expected));
         }
     }
-    fingers::check(scene, &sensor)?;
+    fingers::check(scene, sensor)?;
     let modules = sensor.modules.len();
     let presses = scene.value.joints.iter().enumerate();
     let presses = presses.filter_map(|(index, joint)| {
@@ -401,10 +401,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
             return Err(scene.source.bad(&key, expected));
         }
     }
-    Ok(Loaded {
-        value: sensor,
-        source,
-    })
+    Ok(loaded)
 }
 
 /// Checks that every fault meets an existing thing.
@@ -424,6 +421,7 @@ fn check_faults(
             let bad = || scene.source.bad(&key, format!("less than {count}"));
             fits.then_some(()).ok_or_else(bad)
         };
+        let bad_kind = |expected| scene.source.bad(&format!("faults[{index}].kind"), expected);
         let of_taxels = [
             FaultKind::TaxelFrozen,
             FaultKind::ZeroTriplets,
@@ -433,7 +431,7 @@ fn check_faults(
         if of_taxels.contains(&fault.kind) && sensor.transducer != Transducer::Magnetic {
             let expected =
                 "a fault that this layout's boards can have: only uSkin boards send taxel by taxel";
-            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+            return Err(bad_kind(expected));
         }
         below("module", fault.module, sensor.modules.len())?;
         below("with", fault.with, sensor.modules.len())?;
@@ -446,7 +444,7 @@ fn check_faults(
         below("wire", fault.wire, bench.outputs.len())?;
         if fault.kind == FaultKind::ClockStopped && bench.drive.clock.is_none() {
             let expected = "a bench that states drive.clock: there is none to stop";
-            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+            return Err(bad_kind(expected));
         }
         below("motor", fault.motor, bench.outputs.len())?;
         let is_of_wires = fault.kind.is_of_display() && !fault.kind.is_of_i2c();
@@ -455,27 +453,22 @@ fn check_faults(
                 Some(_) => "a fault that a bench of motors can have: of sensors, I2C or motors",
                 None => "a bench with [haptics]: there is no motor to fail",
             };
-            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+            return Err(bad_kind(expected));
         }
         let of_chips = [FaultKind::DriverHot, FaultKind::SwitchStuck];
         let is_of_chips = fault.kind.is_of_i2c() || of_chips.contains(&fault.kind);
         let card = bench.haptics.as_ref().map(|h| h.audio.is_some());
-        if card.is_some_and(|card| {
-            if card {
-                is_of_chips
-            } else {
-                fault.kind.is_of_audio()
-            }
-        }) {
-            let expected = match card {
-                Some(true) => "a fault that motors on a sound card can have: there is no I2C bus",
-                _ => "a fault that motors behind an I2C bus can have: there is no sound card",
-            };
-            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        if card == Some(true) && is_of_chips {
+            let expected = "a fault that motors on a sound card can have: there is no I2C bus";
+            return Err(bad_kind(expected));
+        }
+        if card == Some(false) && fault.kind.is_of_audio() {
+            let expected = "a fault that motors behind an I2C bus can have: there is no sound card";
+            return Err(bad_kind(expected));
         }
         if fault.kind.is_of_converters() && bench.dac.is_none() {
             let expected = "a bench with [dac]: there is no converter to fail";
-            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+            return Err(bad_kind(expected));
         }
         if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
             below("taxel", fault.taxel, module.taxels().len())?;

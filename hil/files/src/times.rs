@@ -26,21 +26,23 @@ const FAST_US: u64 = 100;
 const STRAY_US: u64 = 2_000_000;
 const STRAY_STEPS: u64 = 100;
 
-/// Unit of a column of times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum TimeUnit {
-    /// Seconds.
-    S,
-    /// Milliseconds.
-    Ms,
-    /// Microseconds.
-    Us,
-    /// Nanoseconds.
-    Ns,
-    /// Dates with a time of day, `2026-03-01T12:00:00.25Z`; without a zone they are taken for UTC.
-    Date,
+palpate_core::listed! {
+    /// Unit of a column of times.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema))]
+    #[serde(rename_all = "kebab-case")]
+    pub enum TimeUnit: word {
+        /// Seconds.
+        S = "s",
+        /// Milliseconds.
+        Ms = "ms",
+        /// Microseconds.
+        Us = "us",
+        /// Nanoseconds.
+        Ns = "ns",
+        /// Dates with a time of day, `2026-03-01T12:00:00.25Z`; without a zone they are taken for UTC.
+        Date = "date",
+    }
 }
 
 /// A column of times, as `--time COLUMN[:UNIT]` names it.
@@ -57,17 +59,9 @@ impl FromStr for TimeColumn {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, unit) = text.rsplit_once(':').unwrap_or((text, "us"));
-        let unit = match unit {
-            "s" => TimeUnit::S,
-            "ms" => TimeUnit::Ms,
-            "us" => TimeUnit::Us,
-            "ns" => TimeUnit::Ns,
-            "date" => TimeUnit::Date,
-            _ => {
-                let expected = "expected a column and s, ms, us, ns or date, such as timestamp:ms";
-                return Err(expected.into());
-            }
-        };
+        let unit = TimeUnit::ALL.into_iter().find(|known| known.word() == unit);
+        let unit =
+            unit.ok_or("expected a column and s, ms, us, ns or date, such as timestamp:ms")?;
         match name {
             "" => Err("expected a column, such as timestamp:ms".into()),
             name => Ok(Self {

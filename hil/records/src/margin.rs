@@ -59,63 +59,46 @@ const REST_NANO: i64 = 33_000_000_000;
 const ROOM_NANO: i64 = 25_000_000_000;
 
 impl Limited {
+    /// Name, unit, and value when nothing happens in billionths of the unit.
+    const fn row(self) -> (&'static str, &'static str, i64) {
+        match self {
+            Self::Pulse => ("pulse", "us", 0),
+            Self::Burst => ("burst", "ms", 0),
+            Self::BurstEnergy => ("burst energy", "mJ", 0),
+            Self::WirePower1s => ("wire power, 1 s", "mW", 0),
+            Self::WirePower10s => ("wire power, 10 s", "mW", 0),
+            Self::FingertipPower1s => ("fingertip power, 1 s", "mW", 0),
+            Self::FingertipPower60s => ("fingertip power, 60 s", "mW", 0),
+            Self::HandPower60s => ("hand power, 60 s", "mW", 0),
+            Self::SupplyCurrent => ("supply current", "A", 0),
+            Self::SkinMean => ("skin at 0.1 mm, 10 s mean", "C", REST_NANO),
+            Self::SkinPeak => ("skin at 0.1 mm", "C", REST_NANO),
+            Self::SkinDeep => ("skin at 0.4 mm", "C", REST_NANO),
+            Self::Henriques => ("Henriques dose", "Omega", 0),
+            Self::Cem43 => ("dose, CEM43", "min", 0),
+            Self::FaceWarm => ("face", "C", REST_NANO),
+            Self::FaceCold => ("face, under rest", "K", 0),
+            Self::FaceRamp => ("face, ramp", "K/s", 0),
+            Self::Sink => ("sink", "C", ROOM_NANO),
+            Self::PeltierCurrent => ("Peltier current", "A", 0),
+            Self::MotorVoltage => ("motor voltage, peak", "V", 0),
+            Self::MotorTravel => ("motor amplitude", "um", 0),
+            Self::CoilRise => ("coil, over the air", "K", 0),
+        }
+    }
+
     /// Name in tables and JSON.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pulse => "pulse",
-            Self::Burst => "burst",
-            Self::BurstEnergy => "burst energy",
-            Self::WirePower1s => "wire power, 1 s",
-            Self::WirePower10s => "wire power, 10 s",
-            Self::FingertipPower1s => "fingertip power, 1 s",
-            Self::FingertipPower60s => "fingertip power, 60 s",
-            Self::HandPower60s => "hand power, 60 s",
-            Self::SupplyCurrent => "supply current",
-            Self::SkinMean => "skin at 0.1 mm, 10 s mean",
-            Self::SkinPeak => "skin at 0.1 mm",
-            Self::SkinDeep => "skin at 0.4 mm",
-            Self::Henriques => "Henriques dose",
-            Self::Cem43 => "dose, CEM43",
-            Self::FaceWarm => "face",
-            Self::FaceCold => "face, under rest",
-            Self::FaceRamp => "face, ramp",
-            Self::Sink => "sink",
-            Self::PeltierCurrent => "Peltier current",
-            Self::MotorVoltage => "motor voltage, peak",
-            Self::MotorTravel => "motor amplitude",
-            Self::CoilRise => "coil, over the air",
-        }
+        self.row().0
     }
 
     /// Unit of its values.
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Pulse => "us",
-            Self::Burst => "ms",
-            Self::BurstEnergy => "mJ",
-            Self::WirePower1s
-            | Self::WirePower10s
-            | Self::FingertipPower1s
-            | Self::FingertipPower60s
-            | Self::HandPower60s => "mW",
-            Self::SupplyCurrent | Self::PeltierCurrent => "A",
-            Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm | Self::Sink => "C",
-            Self::FaceCold | Self::CoilRise => "K",
-            Self::MotorVoltage => "V",
-            Self::MotorTravel => "um",
-            Self::FaceRamp => "K/s",
-            Self::Henriques => "Omega",
-            Self::Cem43 => "min",
-        }
+        self.row().1
     }
 
-    /// Value when nothing happens, in billionths of the unit.
     const fn rest_nano(self) -> i64 {
-        match self {
-            Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm => REST_NANO,
-            Self::Sink => ROOM_NANO,
-            _ => 0,
-        }
+        self.row().2
     }
 }
 

@@ -14,34 +14,24 @@ use serde::{Serialize, Serializer};
 /// Version of the trace's meaning; grows when a field changes what it says.
 pub const VERSION: u32 = 5;
 
-/// Source of a record: emulators or hardware.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Source {
-    /// Both ends were emulators.
-    Emulated,
-    /// At least one end was real.
-    Real,
-    /// Both ends were emulators, and the guard only looked on.
-    Observed,
+palpate_core::listed! {
+    /// Source of a record: emulators or hardware.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Source: word {
+        /// Both ends were emulators.
+        Emulated = "emulated",
+        /// At least one end was real.
+        Real = "real",
+        /// Both ends were emulators, and the guard only looked on.
+        Observed = "observed",
+    }
 }
 
 /// Banner of everything that comes of a run which the guard only observed.
 pub const OBSERVED: &str = "observed: the guard changed nothing; not for a person";
 
 impl Source {
-    /// Every source.
-    const ALL: [Self; 3] = [Self::Emulated, Self::Real, Self::Observed];
-
-    /// Word in records.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Emulated => "emulated",
-            Self::Real => "real",
-            Self::Observed => "observed",
-        }
-    }
-
     /// The source of this word.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|source| source.word() == word)

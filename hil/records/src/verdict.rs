@@ -2,59 +2,36 @@
 
 use std::io::{self, Write};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::margin::Margin;
 
-/// Verdict of a run, a trial or a comparison. Later ones are graver; where several apply, the gravest is the verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// Done, and within all limits.
-    #[default]
-    Ok,
-    /// Most of what touched lay beyond the part of the skin that the display shows.
-    OffThePad,
-    /// Most of what was to be felt was not.
-    NotFelt,
-    /// Something that was to be seen was not: a board that is silent, a capture that ends too early.
-    Incomplete,
-    /// The guard or a person ended it.
-    Stopped,
-    /// A check failed, or a bus or device did.
-    Failed,
-    /// Something physically passed a row of the limit table.
-    LimitExceeded,
-    /// A temperature or a wire's bow left the range in which the model of wire and tissue means anything.
-    BeyondTheModel,
+palpate_core::listed! {
+    /// Verdict of a run, a trial or a comparison. Later ones are graver; where several apply, the gravest is the verdict.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict: word {
+        /// Done, and within all limits.
+        #[default]
+        Ok = "OK",
+        /// Most of what touched lay beyond the part of the skin that the display shows.
+        OffThePad = "OFF THE PAD",
+        /// Most of what was to be felt was not.
+        NotFelt = "NOT FELT",
+        /// Something that was to be seen was not: a board that is silent, a capture that ends too early.
+        Incomplete = "INCOMPLETE",
+        /// The guard or a person ended it.
+        Stopped = "STOPPED",
+        /// A check failed, or a bus or device did.
+        Failed = "FAILED",
+        /// Something physically passed a row of the limit table.
+        LimitExceeded = "LIMIT EXCEEDED",
+        /// A temperature or a wire's bow left the range in which the model of wire and tissue means anything.
+        BeyondTheModel = "BEYOND THE MODEL",
+    }
 }
 
 impl Verdict {
-    /// Every verdict, the gravest first.
-    pub const ALL: [Self; 8] = [
-        Self::BeyondTheModel,
-        Self::LimitExceeded,
-        Self::Failed,
-        Self::Stopped,
-        Self::Incomplete,
-        Self::NotFelt,
-        Self::OffThePad,
-        Self::Ok,
-    ];
-
-    /// Words for people.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Ok => "OK",
-            Self::OffThePad => "OFF THE PAD",
-            Self::NotFelt => "NOT FELT",
-            Self::Incomplete => "INCOMPLETE",
-            Self::Stopped => "STOPPED",
-            Self::Failed => "FAILED",
-            Self::LimitExceeded => "LIMIT EXCEEDED",
-            Self::BeyondTheModel => "BEYOND THE MODEL",
-        }
-    }
-
     /// Word for programs.
     pub const fn key(self) -> &'static str {
         match self {
@@ -96,12 +73,6 @@ impl Verdict {
             Self::Failed | Self::LimitExceeded | Self::BeyondTheModel => 31,
         };
         format!("\x1b[1m\x1b[{code}m{words}\x1b[0m")
-    }
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
     }
 }
 

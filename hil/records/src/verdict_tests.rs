@@ -28,7 +28,7 @@ fn the_gravest_finding_is_the_verdict_whatever_came_first() {
 
 #[test]
 fn every_verdict_stands_once_in_its_order_and_is_read_as_it_is_written() {
-    assert!(Verdict::ALL.is_sorted_by(|a, b| a > b));
+    assert!(Verdict::ALL.is_sorted_by(|a, b| a < b));
     for verdict in Verdict::ALL {
         assert_eq!(Verdict::of_key(verdict.key()), Some(verdict));
         assert_eq!(

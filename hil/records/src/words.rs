@@ -4,42 +4,24 @@ use crate::bursts::{DrivenOutput, bursts};
 use crate::fixed::{milli, milli_u, place, seconds};
 use crate::trace::{Event, Trace, event};
 
-/// Kind of a happening.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum HappeningKind {
-    /// The guard applied something other than what was requested.
-    Limiter,
-    /// A board went off as a whole.
-    AllOff,
-    /// An onset at which nothing was felt.
-    Break,
-    /// A board's period changed.
-    PreScale,
-    /// A line of the run's own.
-    Note,
+palpate_core::listed! {
+    /// Kind of a happening.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum HappeningKind: word {
+        /// The guard applied something other than what was requested.
+        Limiter = "limiter",
+        /// A board went off as a whole.
+        AllOff = "all-off",
+        /// An onset at which nothing was felt.
+        Break = "break",
+        /// A board's period changed.
+        PreScale = "pre-scale",
+        /// A line of the run's own.
+        Note = "note",
+    }
 }
 
 impl HappeningKind {
-    /// Every kind.
-    pub const ALL: [Self; 5] = [
-        Self::Limiter,
-        Self::AllOff,
-        Self::Break,
-        Self::PreScale,
-        Self::Note,
-    ];
-
-    /// The word a list is headed with.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Limiter => "limiter",
-            Self::AllOff => "all-off",
-            Self::Break => "break",
-            Self::PreScale => "pre-scale",
-            Self::Note => "note",
-        }
-    }
-
     /// Mark in a strip chart.
     pub const fn mark(self) -> u8 {
         match self {

@@ -1,12 +1,13 @@
 //! Scripted faults in the terms of the emulated hardware and its fault layers.
 
 use palpate_core::codec::uskin;
+use palpate_core::peltier::SensorFault;
 use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
 use palpate_emulators::display::pca9685::Pca9685;
-use palpate_emulators::display::peltier::{PeltierHandle, SensorDefect};
+use palpate_emulators::display::peltier::PeltierHandle;
 use palpate_emulators::haptic::MotorFault;
 use palpate_emulators::motors::WornMotors;
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
@@ -104,9 +105,9 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
         return false;
     };
     let defect = match kind {
-        FaultKind::FaceSensorOpen => SensorDefect::Open,
-        FaultKind::FaceSensorShort => SensorDefect::Short,
-        FaultKind::FaceSensorStale => SensorDefect::Stale,
+        FaultKind::FaceSensorOpen => SensorFault::Open,
+        FaultKind::FaceSensorShort => SensorFault::Short,
+        FaultKind::FaceSensorStale => SensorFault::Stale,
         _ => {
             module.with(|module| module.set_shorted(begins));
             return begins;

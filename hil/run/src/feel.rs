@@ -151,19 +151,14 @@ pub(super) fn sample_wires(
     let t_us = now.as_micros();
     for index in 0..projector.display().wires().len() {
         let wire = index as u16;
-        if let Some(milli_c) = display.wire_c(index).and_then(milli_c) {
-            recorder.events.push(Event::Wire(event::Temperature {
-                t_us,
-                wire,
-                milli_c,
-            }));
-        }
-        if let Some(milli_c) = display.tissue_c(index).and_then(milli_c) {
-            recorder.events.push(Event::Skin(event::Temperature {
-                t_us,
-                wire,
-                milli_c,
-            }));
-        }
+        let now = |milli_c| event::Temperature {
+            t_us,
+            wire,
+            milli_c,
+        };
+        let hot = display.wire_c(index).and_then(milli_c).map(now);
+        recorder.events.extend(hot.map(Event::Wire));
+        let warm = display.tissue_c(index).and_then(milli_c).map(now);
+        recorder.events.extend(warm.map(Event::Skin));
     }
 }

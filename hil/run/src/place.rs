@@ -38,14 +38,8 @@ impl Place {
     #[must_use]
     pub fn whole(bench: &Bench) -> Self {
         Self {
-            name: None,
-            bus: 0,
-            boards: (0..bench.boards() as u8).collect(), // at most 16
-            channels: vec![u16::MAX; bench.boards()],
-            alone: true,
-            first_wire: 0,
             wires: bench.outputs.len(),
-            modules: Vec::new(),
+            ..Self::of_bus(0, 0..bench.boards() as u8) // at most 16
         }
     }
 

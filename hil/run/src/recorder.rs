@@ -156,18 +156,6 @@ fn pressing((touch, [x, y]): (TouchPoint, [f64; 2])) -> Option<(Point, f64)> {
     (touch.force_n > 0.0).then_some((place, touch.force_n))
 }
 
-/// A taxel's condition in a word.
-pub const fn word(condition: Condition) -> &'static str {
-    match condition {
-        Condition::Inactive => "inactive",
-        Condition::Dead => "dead",
-        Condition::Frozen => "frozen",
-        Condition::Saturated => "saturated",
-        Condition::Jumping => "jumping",
-        Condition::Good => "good",
-    }
-}
-
 /// An onset whose sensation is not known yet.
 #[derive(Clone, Debug)]
 pub struct Onset {
@@ -305,7 +293,7 @@ impl Recorder {
         let name = self.layout.as_ref().and_then(|l| l.modules().get(module));
         let name = name.map_or("?", palpate_core::skin::Module::name);
         let list: Vec<String> = taxels.iter().map(usize::to_string).collect();
-        let text = format!("taxels of {name}: {} {}", list.join(","), word(condition));
+        let text = format!("taxels of {name}: {} {}", list.join(","), condition.word());
         self.note(at, text);
     }
 

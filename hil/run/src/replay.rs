@@ -10,7 +10,7 @@ use std::sync::Arc;
 use embedded_can::ErrorKind;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::skin::{Layout, Module, ModuleScan};
+use palpate_core::skin::{Layout, Module, ModuleScan, TakeScan};
 use palpate_core::units::Instant;
 use palpate_files::{FileError, SensorLayout};
 
@@ -291,11 +291,7 @@ impl<'a> Rows<'a> {
 }
 
 impl SkinEnd for Rows<'_> {
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
         loop {
             let mut next: Option<(u64, usize)> = None;
             for (index, source) in self.sources.iter_mut().enumerate() {

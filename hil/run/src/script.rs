@@ -5,8 +5,9 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::display::amplifier::AmplifierFault;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, I2cFaults};
 use palpate_emulators::display::pca9685::Oscillator;
-use palpate_emulators::sensor::can::ErrorClass;
+use palpate_emulators::sensor::board::SensorBoard;
 use palpate_emulators::sensor::can::faults::Rates;
+use palpate_emulators::sensor::can::{CanSegment, ErrorClass};
 use palpate_emulators::sensor::rig::SkinBus;
 use palpate_records::trace::Event;
 use serde::Serialize;
@@ -176,37 +177,32 @@ impl Script {
         let fault = self.entries[n].fault.clone();
         let board = fault.module.and_then(|m| self.board(m));
         let with = fault.with.and_then(|m| self.board(m));
+        let drive = bench
+            .display
+            .as_ref()
+            .map_or_else(Drive::default, |d| d.drive);
         let mut once = begins;
         match (fault.kind, board) {
-            (FaultKind::BoardReboot | FaultKind::LateStart, Some((bus, place, _))) => {
-                on_bus(bench, bus, &mut |b| {
-                    b.disturb(place, |board, segment| {
-                        if begins {
-                            board.power_off(segment);
-                        } else {
-                            board.power_on(segment);
-                        }
-                    });
+            (FaultKind::BoardReboot | FaultKind::LateStart, Some(place)) => {
+                on_board(bench, place, &mut |board, segment| match begins {
+                    true => board.power_off(segment),
+                    false => board.power_on(segment),
                 });
             }
-            (FaultKind::ClockDrift, Some((bus, place, _))) => {
+            (FaultKind::ClockDrift, Some(place)) => {
                 let ppm = fault.ppm.filter(|_| begins).unwrap_or(0.0);
-                on_bus(bench, bus, &mut |b| {
-                    b.disturb(place, |board, _| board.set_drift(ppm))
+                on_board(bench, place, &mut |board, _| board.set_drift(ppm));
+            }
+            (FaultKind::SameAddress, Some(place)) => {
+                let address = with.filter(|_| begins).map_or(place.2, |w| w.2);
+                // A number of the layout always has identifiers.
+                on_board(bench, place, &mut |board, _| {
+                    let _ = board.set_address(address);
                 });
             }
-            (FaultKind::SameAddress, Some((bus, place, own))) => {
-                let address = with.filter(|_| begins).map_or(own, |w| w.2);
-                on_bus(bench, bus, &mut |b| {
-                    // A number of the layout always has identifiers.
-                    b.disturb(place, |board, _| {
-                        let _ = board.set_address(address);
-                    });
-                });
-            }
-            (FaultKind::BusOff, Some((bus, place, _))) if begins => {
-                on_bus(bench, bus, &mut |b| {
-                    b.disturb(place, |board, segment| segment.force_bus_off(board.node()));
+            (FaultKind::BusOff, Some(place)) if begins => {
+                on_board(bench, place, &mut |board, segment| {
+                    segment.force_bus_off(board.node());
                 });
             }
             (FaultKind::BusOff, None) => host_off(bench, &fault, begins),
@@ -230,20 +226,12 @@ impl Script {
             }
             (FaultKind::Oscillator, _) => {
                 let factor = fault.factor.filter(|_| begins);
-                let drive = bench
-                    .display
-                    .as_ref()
-                    .map_or_else(Drive::default, |d| d.drive);
                 let factor = factor.unwrap_or(drive.oscillator);
                 on_chip(bench, fault.board, now, &mut |chip, at| {
                     chip.set_oscillator(at, Oscillator::from_factor(factor));
                 });
             }
             (FaultKind::ClockStopped, _) => {
-                let drive = bench
-                    .display
-                    .as_ref()
-                    .map_or_else(Drive::default, |d| d.drive);
                 let hz = if begins { 0 } else { drive.external_hz() };
                 on_chip(bench, fault.board, now, &mut |chip, at| {
                     chip.set_external_clock(at, hz);
@@ -333,6 +321,15 @@ fn on_bus(bench: &mut Faultable<'_>, bus: usize, work: &mut dyn FnMut(&mut SkinB
     if let Some(skin) = bench.skin.as_mut() {
         skin.inner_mut().with(|buses| buses.get_mut(bus).map(work));
     }
+}
+
+/// Works on a board and its segment, by its bus and its place there, where the bus is emulated.
+fn on_board(
+    bench: &mut Faultable<'_>,
+    (bus, place, _): (usize, usize, u8),
+    work: &mut dyn FnMut(&mut SensorBoard, &mut CanSegment),
+) {
+    on_bus(bench, bus, &mut |b| b.disturb(place, &mut *work));
 }
 
 /// Takes the host's controller off its bus, or puts it back.

@@ -4,7 +4,7 @@ use core::fmt;
 
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::skin::{CanSkin, ModuleScan, SkinSource};
+use palpate_core::skin::{CanSkin, SkinSource, TakeScan};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::SkinArray;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -23,8 +23,7 @@ pub trait SkinEnd {
     ///
     /// # Errors
     /// The sensor's own; scans that were handed on before it count.
-    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>))
-    -> Result<(), Failure>;
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure>;
 
     /// Lets time pass until `now`.
     fn advance_to(&mut self, now: Instant);
@@ -70,11 +69,7 @@ pub trait SkinEnd {
 impl SkinSource for dyn SkinEnd + '_ {
     type Error = Failure;
 
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
         SkinEnd::scans(self, now, take)
     }
 }
@@ -83,11 +78,7 @@ impl SkinSource for dyn SkinEnd + '_ {
 macro_rules! pointed_at {
     ($($pointer:ty),*) => {$(
         impl<S: SkinEnd + ?Sized> SkinEnd for $pointer {
-            fn scans(
-                &mut self,
-                now: Instant,
-                take: &mut dyn FnMut(&ModuleScan<'_>),
-            ) -> Result<(), Failure> {
+            fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
                 (**self).scans(now, take)
             }
 
@@ -130,11 +121,7 @@ pointed_at!(&mut S, Box<S>);
 
 /// A skin that no bus carries.
 impl SkinEnd for SkinArray {
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
         SkinSource::scans(self, now, take).map_err(|never| match never {})
     }
 
@@ -145,11 +132,7 @@ impl SkinEnd for SkinArray {
 
 /// A skin whose readings are pushed.
 impl SkinEnd for () {
-    fn scans(
-        &mut self,
-        _now: Instant,
-        _take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, _now: Instant, _take: &mut TakeScan<'_>) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -161,11 +144,7 @@ impl SkinEnd for () {
 pub struct Elsewhere;
 
 impl SkinEnd for Elsewhere {
-    fn scans(
-        &mut self,
-        _now: Instant,
-        _take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, _now: Instant, _take: &mut TakeScan<'_>) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -208,11 +187,7 @@ impl CanEnd for Faulty<Handle> {
 
 /// uSkin boards on a bus.
 impl<B: CanEnd> SkinEnd for CanSkin<Tap<B>> {
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
         SkinSource::scans(self, now, take).map_err(|e| Failure::Device(e.to_string()))
     }
 

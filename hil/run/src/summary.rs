@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::boards::{self, BoardReport, BusReport, CanReport, Pacing};
 use super::display_end::DisplayEnd;
 use super::effort::FrameCost;
-use super::recorder::{Recorder, word};
+use super::recorder::Recorder;
 use super::script::FaultReport;
 use super::session::Session;
 use super::skin_end::SkinEnd;
@@ -164,7 +164,7 @@ impl Taxels {
                 let condition = match monitor.condition(index, now) {
                     Condition::Good | Condition::Inactive => continue,
                     Condition::Dead if monitor.received(index).is_none() => "never-seen",
-                    other => word(other),
+                    other => other.word(),
                 };
                 self.never_seen += u32::from(condition == "never-seen");
                 self.ill.push(IllTaxel {

@@ -152,7 +152,7 @@ fn run(
 /// The gravest of the rows, each verdict with its first one.
 fn conclusion(rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusion {
     let mut conclusion = Conclusion::default();
-    for verdict in Verdict::ALL.into_iter().filter(|v| *v != Verdict::Ok) {
+    for verdict in Verdict::ALL.into_iter().rev().filter(|v| *v != Verdict::Ok) {
         let mut of = rows.iter().filter(|row| row.verdict == verdict);
         if let Some(first) = of.next() {
             let (count, at) = (1 + of.count(), first.key.place());

@@ -6,7 +6,6 @@ use palpate_files::{
     DEFAULT_BENCH, FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene,
 };
 use palpate_run::Failure;
-use palpate_run::picture::style_word;
 use serde::Serialize;
 
 /// Most taxels of a skin that a page offers: it draws as many at 60 pictures per second.
@@ -99,7 +98,7 @@ pub fn shelves() -> Result<Shelves, Failure> {
         displays,
         benches,
         illusions: IllusionModel::ALL.map(IllusionModel::name),
-        renderers: [Style::Smooth, Style::Tap, Style::Auto].map(style_word),
+        renderers: Style::ALL.map(Style::name),
         persons: shelf(FileKind::Person).collect(),
         wires: shelf(FileKind::Wire).collect(),
     })

@@ -3,7 +3,7 @@
 use palpate_core::codec::link::Warmth;
 use palpate_core::peltier::{PeltierReason, SensorFault};
 use palpate_core::units::Duration;
-use palpate_emulators::display::peltier::{ModuleState, Peltier, SensorDefect};
+use palpate_emulators::display::peltier::{ModuleState, Peltier};
 use palpate_emulators::time::Nanos;
 use palpate_qemu::{Chips, Lockstep, Machine};
 
@@ -64,27 +64,27 @@ pub fn cooling(machine: Machine) -> Lockstep {
 
 fn a_thermistor_that_fails_switches_the_bridge_off(machine: Machine) {
     let mut run = cooling(machine);
-    for (defect, fault, within) in [
-        (SensorDefect::Open, SensorFault::Open, 40),
-        (SensorDefect::Short, SensorFault::Short, 40),
-        (SensorDefect::Stale, SensorFault::Stale, 140),
+    for (fault, within) in [
+        (SensorFault::Open, 40),
+        (SensorFault::Short, 40),
+        (SensorFault::Stale, 140),
     ] {
         // What converts on the processor itself does not stand still.
-        if defect == SensorDefect::Stale && !machine.is_qemu() {
+        if fault == SensorFault::Stale && !machine.is_qemu() {
             continue;
         }
-        module(&mut run).set_sensor(Some(defect));
+        module(&mut run).set_sensor(Some(fault));
         run.run(ms(within)).unwrap();
-        assert_eq!(now(&run).milliamps, 0, "{defect:?}");
+        assert_eq!(now(&run).milliamps, 0, "{fault:?}");
         run.run(ms(30)).unwrap();
         let face = run.host.driver.status().unwrap().face;
         let told = (0, 0, Some(PeltierReason::Sensor(fault)));
         assert_eq!((face.face_mc, face.milliamps, face.reason), told);
         module(&mut run).set_sensor(None);
         run.run(ms(900)).unwrap();
-        assert_eq!(now(&run).milliamps, 0, "{defect:?}");
+        assert_eq!(now(&run).milliamps, 0, "{fault:?}");
         run.run(ms(200)).unwrap();
-        assert!(now(&run).milliamps > 0, "{defect:?}");
+        assert!(now(&run).milliamps > 0, "{fault:?}");
     }
     assert_eq!(run.chips.boots.len(), 1);
 }

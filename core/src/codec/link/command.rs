@@ -48,21 +48,17 @@ impl Planned {
 pub enum Request {
     /// No request beside the plan.
     #[default]
-    Play,
+    Play = 0,
     /// Everything goes off now and the plan is empty.
-    Off,
+    Off = 1,
     /// Everything goes off now, the plan is empty, and the unit stays off until the stop is acknowledged.
-    Stop,
+    Stop = 2,
 }
 
 impl Request {
     /// Byte on the wire.
     pub const fn number(self) -> u8 {
-        match self {
-            Self::Play => 0,
-            Self::Off => 1,
-            Self::Stop => 2,
-        }
+        self as u8
     }
 
     fn from_number(number: u8) -> Option<Self> {

@@ -37,24 +37,19 @@ pub const FROM_UNIT: u64 = 1 << 63;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A host asks who is there; no body.
-    Knock,
+    Knock = 1,
     /// The unit's answer, [`Hello`].
-    Hello,
+    Hello = 2,
     /// Stimuli to be felt, [`Command`].
-    Command,
+    Command = 3,
     /// Report of a unit on a command, [`Status`].
-    Status,
+    Status = 4,
 }
 
 impl Kind {
     /// Byte in a datagram.
     pub const fn number(self) -> u8 {
-        match self {
-            Self::Knock => 1,
-            Self::Hello => 2,
-            Self::Command => 3,
-            Self::Status => 4,
-        }
+        self as u8
     }
 
     /// Kind that a datagram's header states; `None` for a datagram too short or of an unknown kind.

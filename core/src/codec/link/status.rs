@@ -31,16 +31,7 @@ impl State {
     }
 
     pub(super) fn from_number(number: u8) -> Option<Self> {
-        let causes = [
-            Cause::StaleInput,
-            Cause::ActuatorError,
-            Cause::SensorError,
-            Cause::LateTick,
-            Cause::End,
-            Cause::Overrun,
-            Cause::Rezero,
-        ];
-        let stopped = causes.into_iter().map(Self::Stopped);
+        let stopped = Cause::ALL.into_iter().map(Self::Stopped);
         let mut all = core::iter::once(Self::Ready).chain(stopped);
         all.find(|s| s.number() == number)
     }

@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 use super::layout::Layout;
 use super::scan::Scan;
+use crate::listed::listed;
 use crate::statistics::quantile;
 use crate::units::{Duration, Instant};
 
@@ -36,21 +37,23 @@ impl Default for HealthSettings {
     }
 }
 
-/// Conditions of a taxel, the worst first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Condition {
-    /// A taxel that is no part of the run.
-    Inactive,
-    /// A taxel that was never received, or not for long.
-    Dead,
-    /// A taxel that is received, but whose value stands still.
-    Frozen,
-    /// A taxel with an axis at an end of its range where its skin does not rest.
-    Saturated,
-    /// A taxel with three jumps without 16 quiet readings after each.
-    Jumping,
-    /// A taxel without a defect.
-    Good,
+listed! {
+    /// Conditions of a taxel, the worst first.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Condition: word {
+        /// A taxel that is no part of the run.
+        Inactive = "inactive",
+        /// A taxel that was never received, or not for long.
+        Dead = "dead",
+        /// A taxel that is received, but whose value stands still.
+        Frozen = "frozen",
+        /// A taxel with an axis at an end of its range where its skin does not rest.
+        Saturated = "saturated",
+        /// A taxel with three jumps without 16 quiet readings after each.
+        Jumping = "jumping",
+        /// A taxel without a defect.
+        Good = "good",
+    }
 }
 
 /// Least tally of a taxel that jumps: three jumps in short order.

@@ -10,7 +10,7 @@ mod routes;
 use alloc::boxed::Box;
 
 use super::layout::{Address, Layout, Module, Protocol};
-use super::source::{ModuleScan, SkinSource};
+use super::source::{SkinSource, TakeScan};
 use crate::bus::{CanBus, Received};
 use crate::codec::mtb;
 use crate::codec::uskin::{Command, Raw, Reading};
@@ -118,7 +118,7 @@ impl<B: CanBus> CanSkin<B> {
 impl Sorting {
     /// Takes one frame off the bus; `None` for a frame that is no reading of this layout.
     #[inline]
-    fn take(&mut self, received: &Received, done: &mut dyn FnMut(&ModuleScan<'_>)) -> Option<()> {
+    fn take(&mut self, received: &Received, done: &mut TakeScan<'_>) -> Option<()> {
         let (bus, id) = (received.bus, received.frame.id());
         match self.routes.find(bus, id)? {
             Route::Taxel {
@@ -167,11 +167,7 @@ impl Sorting {
 impl<B: CanBus> SkinSource for CanSkin<B> {
     type Error = B::Error;
 
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), B::Error> {
+    fn scans(&mut self, now: Instant, take: &mut TakeScan<'_>) -> Result<(), B::Error> {
         let Self { bus, sorting, .. } = self;
         bus.receive_all(&mut |received| {
             if sorting.take(received, take).is_none() {

@@ -9,7 +9,7 @@ use super::*;
 use crate::codec::can::CanFrame;
 use crate::codec::mtb::{Message, halves};
 use crate::codec::uskin::{Wiring, encode};
-use crate::skin::Module;
+use crate::skin::{Module, ModuleScan};
 
 /// Frames to come, and what was sent; a bus that does not exist takes nothing.
 #[derive(Default)]

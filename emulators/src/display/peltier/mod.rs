@@ -9,12 +9,11 @@ mod handle;
 mod sensor;
 
 pub use handle::PeltierHandle;
-pub use sensor::SensorDefect;
 
 use core::convert::Infallible;
 
 use palpate_core::driver::Actuators;
-use palpate_core::peltier::{GuardedCurrent, LIMITS, Reading};
+use palpate_core::peltier::{GuardedCurrent, LIMITS, Reading, SensorFault};
 use palpate_core::physics::{PeltierParameters, Thermistor, ZERO_CELSIUS_K};
 use palpate_core::units::{Duration, Instant};
 
@@ -213,7 +212,7 @@ impl Peltier {
     }
 
     /// Breaks or repairs the face's thermistor.
-    pub const fn set_sensor(&mut self, defect: Option<SensorDefect>) {
+    pub const fn set_sensor(&mut self, defect: Option<SensorFault>) {
         self.converter.defect = defect;
     }
 

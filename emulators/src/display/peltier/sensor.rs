@@ -1,29 +1,19 @@
 //! A converter of 12 bits on two thermistors, one in the face and one in the sink.
 
-use palpate_core::peltier::Reading;
+use palpate_core::peltier::{Reading, SensorFault};
 use palpate_core::physics::{Thermistor, ZERO_CELSIUS_K};
 use palpate_core::units::Instant;
 
 use super::{CONVERSION, instant};
 use crate::time::Nanos;
 
-/// A defect of the face's thermistor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SensorDefect {
-    /// A lead is broken.
-    Open,
-    /// The leads touch.
-    Short,
-    /// The converter stands still.
-    Stale,
-}
-
 /// The converter and what it told last.
 #[derive(Clone, Debug)]
 pub(super) struct Converter {
     thermistor: Thermistor,
     newest: Reading,
-    pub(super) defect: Option<SensorDefect>,
+    /// A defect of the face's thermistor.
+    pub(super) defect: Option<SensorFault>,
 }
 
 impl Converter {
@@ -48,12 +38,12 @@ impl Converter {
     pub(super) fn take(&mut self, now: Nanos, [face_c, sink_c]: [f64; 2]) {
         let at = instant(now);
         let due = at.as_micros().is_multiple_of(CONVERSION.as_micros());
-        if !due || self.defect == Some(SensorDefect::Stale) {
+        if !due || self.defect == Some(SensorFault::Stale) {
             return;
         }
         let face = match self.defect {
-            Some(SensorDefect::Open) => Thermistor::FULL_SCALE,
-            Some(SensorDefect::Short) => 0,
+            Some(SensorFault::Open) => Thermistor::FULL_SCALE,
+            Some(SensorFault::Short) => 0,
             _ => self.code(face_c),
         };
         self.newest = Reading {

@@ -146,7 +146,7 @@ fn a_long_cold_touch_warms_the_sink_to_its_limit_and_no_further() {
 
 #[test]
 fn every_defect_of_the_sensor_ends_the_current_within_its_time() {
-    for defect in [SensorDefect::Open, SensorDefect::Short, SensorDefect::Stale] {
+    for defect in SensorFault::ALL {
         let mut module = module();
         regulate(&mut module, 2.0, |_| Some(38.0));
         assert_ne!(module.state().milliamps, 0);

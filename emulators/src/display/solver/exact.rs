@@ -12,13 +12,13 @@ use super::propagators::Propagators;
 use super::regimes::{REGIMES, Regimes};
 use crate::display::finger::dose::Dose;
 use crate::display::finger::{NODES, ThermalNetwork};
-use crate::display::solver::branch::{Branch, Heading};
+use crate::display::solver::branch::Heading;
 use crate::display::solver::phase::Phase;
 use crate::display::solver::record::{Energy, Peaks};
 use crate::display::solver::strain::{Motion, Strain, Worn};
 use crate::display::solver::stretch::Stretch;
 use crate::time::Nanos;
-use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
+use palpate_core::physics::{Bow, Line, ParameterError, TissueParameters, WireParameters};
 #[cfg(test)]
 use palpate_core::physics::{Curve, Law};
 use palpate_core::vector::{Scalar, Vectors};
@@ -354,17 +354,17 @@ impl Exact {
 
     /// Resistance between the terminals at the time computed up to, Ohm.
     pub fn resistance_ohm(&self) -> f64 {
-        let (branch, series) = (Branch::default(), 1.0 - self.wire.wire_share);
+        let (branch, series) = (Line::default(), 1.0 - self.wire.wire_share);
         self.resistance(self.wire_c(), &branch).0 + self.wire.resistance_ohm * series
     }
 
     /// Resistance of the wire alone now, Ohm, and its change with temperature within `branch`.
-    fn resistance(&self, t: f64, branch: &Branch) -> (f64, f64) {
+    fn resistance(&self, t: f64, branch: &Line) -> (f64, f64) {
         let w = &*self.wire;
         let nominal = w.resistance_ohm * w.wire_share;
         let mut relative = 1.0 + (w.austenite_ratio - 1.0) * (1.0 - self.phase.fraction(t));
         relative += w.resistance_per_kelvin * (t - w.reference_c);
-        let per_kelvin = w.resistance_per_kelvin - (w.austenite_ratio - 1.0) * branch.slope;
+        let per_kelvin = w.resistance_per_kelvin - (w.austenite_ratio - 1.0) * branch.martensite;
         (nominal * relative, nominal * per_kelvin)
     }
 
@@ -376,7 +376,7 @@ impl Exact {
     }
 
     /// Heat into the wire from the drive alone.
-    fn heat(&self, t: f64, branch: &Branch) -> Heat {
+    fn heat(&self, t: f64, branch: &Line) -> Heat {
         match self.drive {
             WireDrive::Off => Heat {
                 power: 0.0,
@@ -402,7 +402,7 @@ impl Exact {
         let u = self.watched.wire;
         let shell = self.modes[self.mode].first_shell(&self.z);
         let t = self.wire_c();
-        let heat = self.heat(t, &Branch::default());
+        let heat = self.heat(t, &Line::default());
         let n = &*self.network;
         let out = (n.air + n.ends) * u + n.chain[0] * (u - shell);
         heat.power + heat.feedback * u + n.rest_inflow() - out

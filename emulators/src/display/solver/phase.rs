@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use palpate_core::physics::{Law, ParameterError, Phases, TissueParameters, WireParameters};
+use palpate_core::physics::{Law, Line, ParameterError, Phases, TissueParameters, WireParameters};
 
-use super::branch::{Branch, Heading};
+use super::branch::Heading;
 use super::strain::{Motion, Strain, Worn};
 
 /// The phases of one wire in its bow. Copies share the law.
@@ -63,16 +63,8 @@ impl Phase {
     }
 
     /// The straight piece that leads on from the last event.
-    pub fn branch(&self) -> Branch {
-        let line = self.phases.line_on();
-        Branch {
-            slope: line.martensite,
-            latent: line.latent,
-            strain: line.strain,
-            low: line.low,
-            high: line.high,
-            one_way: line.one_way,
-        }
+    pub const fn branch(&self) -> Line {
+        *self.phases.line_on()
     }
 
     /// Motion of the skin from `t` on under a wire that is worn. Where skin and wire part the bow has a knot, so the motion

@@ -42,25 +42,6 @@ const COLD: (f64, f64) = (30.0, 0.8);
 /// Hotter tissue feels less too, degrees C, by so much, dB.
 const HOT: (f64, f64) = (44.0, 7.0);
 
-/// Centroid that is felt. The literature disagrees; every score is given for both.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Centroid {
-    /// Weights are energies (Israr and Poupyrev).
-    Energy,
-    /// Weights are amplitudes.
-    Amplitude,
-}
-
-impl Centroid {
-    /// Name in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Energy => "energy centroid",
-            Self::Amplitude => "amplitude centroid",
-        }
-    }
-}
-
 /// A person's parameters; `fixtures/persons` has values and where they come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Person {
@@ -73,6 +54,21 @@ pub struct Person {
     pub np2_um: Option<f64>,
     /// Exponents by which what is felt grows with the amplitude: Pacinian channel, NP I.
     pub growth: [f64; 2],
+}
+
+fn above(name: &'static str, value: f64) -> Result<(), ParameterError> {
+    match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(ParameterError { name }),
+    }
+}
+
+impl Person {
+    pub(super) fn check_thresholds(&self) -> Result<(), ParameterError> {
+        above("vibration_um", self.vibration_um)?;
+        above("flutter_um", self.flutter_um)?;
+        above("np2_um", self.np2_um.unwrap_or(1.0))
+    }
 }
 
 /// Levels of the channels over their thresholds, dB.
@@ -138,14 +134,6 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Place by one of the two centroids, mm.
-    pub const fn place(&self, centroid: Centroid) -> (f64, f64) {
-        match centroid {
-            Centroid::Energy => self.energy_mm,
-            Centroid::Amplitude => self.amplitude_mm,
-        }
-    }
-
     /// Tells whether the stimulus feels like a tap: shorter than 30 ms.
     pub const fn tap(&self) -> bool {
         self.seconds < VIBRATION_S
@@ -173,17 +161,9 @@ impl Perceiver {
     /// # Errors
     /// A threshold that is not above 0 or an exponent that is no number, by name.
     pub fn new(person: Person, places: &[(f64, f64)]) -> Result<Self, ParameterError> {
-        let above = |name, value: f64| match value.is_finite() && value > 0.0 {
-            true => Ok(()),
-            false => Err(ParameterError { name }),
-        };
-        above("vibration_um", person.vibration_um)?;
-        above("flutter_um", person.flutter_um)?;
-        above("np2_um", person.np2_um.unwrap_or(1.0))?;
-        person
-            .growth
-            .into_iter()
-            .try_for_each(|n| above("growth", n))?;
+        person.check_thresholds()?;
+        let mut growths = person.growth.into_iter();
+        growths.try_for_each(|n| above("growth", n))?;
         Ok(Self {
             person,
             places: places.to_vec(),

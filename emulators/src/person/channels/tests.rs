@@ -239,8 +239,8 @@ fn the_place_is_where_energy_and_peaks_are_since_the_onset() {
     perceiver.kicks(1, &kick(1.0), 0.1);
     perceiver.settle();
     let felt = perceiver.felt(33.0).unwrap();
-    near(felt.place(Centroid::Energy).0, 1.0, 1e-9);
-    near(felt.place(Centroid::Amplitude).0, 5.0 / 3.0, 1e-9);
+    near(felt.energy_mm.0, 1.0, 1e-9);
+    near(felt.amplitude_mm.0, 5.0 / 3.0, 1e-9);
     assert!(felt.tap(), "one pulse is a tap");
     // After an onset only what comes then has a place, but the energy goes on.
     let before = felt.levels.vibration_db;

@@ -11,28 +11,18 @@ use crate::error::FileError;
 use crate::settings::{bounds, settings};
 use crate::source::Source;
 
-/// Kinds of motors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
-#[serde(rename_all = "kebab-case")]
-pub enum MotorKind {
-    /// A linear resonant actuator.
-    Lra,
-    /// An eccentric rotating mass.
-    Erm,
-    /// A voice coil on a channel of a sound card.
-    VoiceCoil,
-}
-
-impl MotorKind {
-    /// Name in records.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Lra => "lra",
-            Self::Erm => "erm",
-            Self::VoiceCoil => "voice-coil",
-        }
+palpate_core::listed! {
+    /// Kinds of motors.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+    #[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
+    #[serde(rename_all = "kebab-case")]
+    pub enum MotorKind: name {
+        /// A linear resonant actuator.
+        Lra = "lra",
+        /// An eccentric rotating mass.
+        Erm = "erm",
+        /// A voice coil on a channel of a sound card.
+        VoiceCoil = "voice-coil",
     }
 }
 

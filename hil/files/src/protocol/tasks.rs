@@ -25,39 +25,25 @@ choice! { /** Rules by which participants meet the conditions of a comparison. *
     Between = "between",
 } }
 
-/// A task, by its name in files and data.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TaskKind {
-    /// The least that is felt.
-    AbsoluteThreshold,
-    /// The least difference that is felt.
-    Difference,
-    /// Wires that feel alike.
-    Matching,
-    /// The place that was felt.
-    Localisation,
-    /// The path that was felt.
-    Drawing,
-    /// Ratings from 1 to 6.
-    Rating,
-    /// The choice between two conditions.
-    Choice,
-}
-
-impl TaskKind {
-    /// The task's name in files and data.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AbsoluteThreshold => "absolute_threshold",
-            Self::Difference => "difference",
-            Self::Matching => "matching",
-            Self::Localisation => "localisation",
-            Self::Drawing => "drawing",
-            Self::Rating => "rating",
-            Self::Choice => "choice",
-        }
+palpate_core::listed! {
+    /// A task, by its name in files and data.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum TaskKind: name {
+        /// The least that is felt.
+        AbsoluteThreshold = "absolute_threshold",
+        /// The least difference that is felt.
+        Difference = "difference",
+        /// Wires that feel alike.
+        Matching = "matching",
+        /// The place that was felt.
+        Localisation = "localisation",
+        /// The path that was felt.
+        Drawing = "drawing",
+        /// Ratings from 1 to 6.
+        Rating = "rating",
+        /// The choice between two conditions.
+        Choice = "choice",
     }
 }
 

@@ -171,28 +171,21 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
 pub(super) fn schedule(page: &mut String, trace: &Trace) {
     let all = bursts(trace);
     let mut legend = String::new();
-    let solid = "M7 12v-10h12v10z";
     let height = match trace.header.motors {
         true => "burst, height is level",
         false => "burst, height is pulse width",
     };
-    path_key(&mut legend, "burst", solid, height);
-    path_key(
-        &mut legend,
-        "burst cut",
-        "M7 12v-6h12v6z",
-        "applied after a limit",
-    );
-    path_key(
-        &mut legend,
-        "asked",
-        "M7 11v-10h12v10z",
-        "requested, cut or refused",
-    );
-    path_key(&mut legend, "mark limit-mark", "M13 0v12", "limiter");
-    path_key(&mut legend, "mark break-mark", "M13 0v12", "break");
-    path_key(&mut legend, "mark note-mark", "M13 0v12", "note");
-    path_key(&mut legend, "mark off-mark", "M13 0v12", "all off");
+    for (class, shape, words) in [
+        ("burst", "M7 12v-10h12v10z", height),
+        ("burst cut", "M7 12v-6h12v6z", "applied after a limit"),
+        ("asked", "M7 11v-10h12v10z", "requested, cut or refused"),
+        ("mark limit-mark", "M13 0v12", "limiter"),
+        ("mark break-mark", "M13 0v12", "break"),
+        ("mark note-mark", "M13 0v12", "note"),
+        ("mark off-mark", "M13 0v12", "all off"),
+    ] {
+        path_key(&mut legend, class, shape, words);
+    }
     let length = measure::length_us(trace);
     let words = match trace.header.motors {
         true => {

@@ -29,21 +29,43 @@ fn plane() -> Plot {
     }
 }
 
-fn axes(plot: &mut Plot, svg: &mut Svg, places: &[(f64, f64)], rim: f64, what: &str) {
-    let fold = |pick: fn(&(f64, f64)) -> f64, f: fn(f64, f64) -> f64, start| {
-        places.iter().map(pick).fold(start, f)
-    };
-    let mut low = (
-        fold(|p| p.0, f64::min, 1e9) - rim,
-        fold(|p| p.1, f64::min, 1e9) - rim,
-    );
-    let mut high = (
-        fold(|p| p.0, f64::max, -1e9) + rim,
-        fold(|p| p.1, f64::max, -1e9) + rim,
-    );
-    if places.is_empty() {
-        (low, high) = ((-10.0, -10.0), (10.0, 10.0));
+/// Least and most of both axes.
+#[derive(Clone, Copy)]
+pub(super) struct Span {
+    pub(super) low: (f64, f64),
+    pub(super) high: (f64, f64),
+}
+
+impl Span {
+    pub(super) fn around(places: impl Iterator<Item = (f64, f64)>, rim: f64) -> Option<Self> {
+        let wide = |all: Option<Self>, (x, y): (f64, f64)| {
+            let all = all.unwrap_or(Self {
+                low: (x, y),
+                high: (x, y),
+            });
+            Some(Self {
+                low: (all.low.0.min(x), all.low.1.min(y)),
+                high: (all.high.0.max(x), all.high.1.max(y)),
+            })
+        };
+        let all = places.fold(None, wide)?;
+        Some(Self {
+            low: (all.low.0 - rim, all.low.1 - rim),
+            high: (all.high.0 + rim, all.high.1 + rim),
+        })
     }
+
+    /// Factor by which these millimetres fit into a room; 1 at most.
+    pub(super) fn fit(&self, room: (f64, f64)) -> f64 {
+        let part = |size: f64, room: f64| room / size.max(1e-6);
+        let (w, h) = (self.high.0 - self.low.0, self.high.1 - self.low.1);
+        part(w, room.0).min(part(h, room.1)).min(1.0)
+    }
+}
+
+fn axes(plot: &mut Plot, svg: &mut Svg, places: &[(f64, f64)], rim: f64, what: &str) {
+    let (low, high) = Span::around(places.iter().copied(), rim)
+        .map_or(((-10.0, -10.0), (10.0, 10.0)), |all| (all.low, all.high));
     plot.equal(low, high);
     plot.x_axis(svg, &format!("{what} x [mm]"));
     plot.y_axis(svg, &format!("{what} y [mm]"));

@@ -32,30 +32,20 @@ const NAMED: [&str; 4] = ["bench ", "seed ", "scene ", "limits "];
 /// Begins of the further pieces that the header of a schedule has: periods and times.
 const DRIVEN: [&str; 6] = ["PWM ", "PRE_SCALE ", "period ", "tick ", "tau_d ", "SOA "];
 
-/// Kind of a golden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum GoldenKind {
-    /// Commands to the wires, and their results.
-    Schedule,
-    /// Contacts that the compression found.
-    Contacts,
-    /// A scene over force and speed.
-    Surface,
+palpate_core::listed! {
+    /// Kind of a golden.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum GoldenKind: title {
+        /// Commands to the wires, and their results.
+        Schedule = "schedule",
+        /// Contacts that the compression found.
+        Contacts = "contact path",
+        /// A scene over force and speed.
+        Surface = "surface",
+    }
 }
 
 impl GoldenKind {
-    /// Every kind, in the order a review shows them.
-    pub const ALL: [Self; 3] = [Self::Schedule, Self::Contacts, Self::Surface];
-
-    /// Title on the golden's first line.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Schedule => "schedule",
-            Self::Contacts => "contact path",
-            Self::Surface => "surface",
-        }
-    }
-
     /// The parts of a trace that goldens of the kind have digests of.
     const fn digests(self) -> &'static [&'static str] {
         match self {

@@ -141,12 +141,9 @@ impl EmulatedHeat {
             warmest_face_c: peaks.face_c[1],
             warmest_sink_c: peaks.sink_c,
             fastest_ramp_k_s: peaks.ramp_k_s,
-            error_k: None,
             energy_j: peaks.electrical_j,
-            turns: 0,
-            held_back: 0,
-            stops: 0,
             thermostat,
+            ..HeatReport::default()
         };
         self.account.fill(&mut report);
         report

@@ -65,14 +65,7 @@ impl RemoteHeat {
             seen: HeatReport {
                 coldest_face_c: SKIN_C,
                 warmest_face_c: SKIN_C,
-                warmest_sink_c: 0.0,
-                fastest_ramp_k_s: 0.0,
-                error_k: None,
-                energy_j: 0.0,
-                turns: 0,
-                held_back: 0,
-                stops: 0,
-                thermostat: false,
+                ..HeatReport::default()
             },
             before: None,
         })

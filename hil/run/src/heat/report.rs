@@ -11,7 +11,7 @@ use crate::recorder::milli_c;
 const RECORD: Duration = Duration::from_millis(100);
 
 /// Temperatures, turns and stops of a Peltier module in a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct HeatReport {
     pub coldest_face_c: f64,

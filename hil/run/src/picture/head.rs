@@ -2,7 +2,6 @@
 
 use palpate_core::contact::Scope;
 use palpate_core::projector::Projector;
-use palpate_core::render::Style;
 use palpate_core::skin::Module;
 use palpate_core::units::{Point, Ticks};
 use palpate_files::Setup;
@@ -61,7 +60,7 @@ impl Head {
             skin: setup.sensor.value.name.clone(),
             display: setup.display.value.name.clone(),
             illusion: scene.illusion.model.name(),
-            renderer: style_word(scene.illusion.render),
+            renderer: scene.illusion.render.name(),
             person: setup.person.value.name.clone(),
             wire: header.preset.clone(),
             motors: header.motors,
@@ -102,16 +101,6 @@ impl Head {
             },
             model_c: [model::WIRE_C, model::TISSUE_C],
         }
-    }
-}
-
-/// Name of a renderer in a scene.
-#[must_use]
-pub const fn style_word(style: Style) -> &'static str {
-    match style {
-        Style::Smooth => "smooth",
-        Style::Tap => "tap",
-        Style::Auto => "auto",
     }
 }
 

@@ -3,7 +3,6 @@
 mod head;
 mod painter;
 
-pub use head::style_word;
 pub(crate) use painter::Memory;
 pub use painter::Painter;
 
@@ -83,28 +82,8 @@ impl State {
     }
 
     /// Totals of the run so far, where they are wanted and measured.
-    fn totals(&self) -> Option<Totals> {
-        let totals = self.wires.as_ref()?.totals()?;
-        Some(totals.into())
-    }
-}
-
-/// Peaks, dose and energy of a run so far.
-#[derive(Clone, Copy, Debug)]
-pub struct Totals {
-    /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C).
-    pub hottest: [f64; 4],
-    /// Electrical energy, J.
-    pub energy_j: f64,
-}
-
-impl From<DisplayTotals> for Totals {
-    fn from(totals: DisplayTotals) -> Self {
-        let (omega, cem43) = totals.dose;
-        Self {
-            hottest: [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43],
-            energy_j: totals.electrical_j,
-        }
+    fn totals(&self) -> Option<DisplayTotals> {
+        self.wires.as_ref()?.totals()
     }
 }
 

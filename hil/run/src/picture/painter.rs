@@ -2,11 +2,12 @@
 
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
+use palpate_emulators::worn::DisplayTotals;
 use palpate_files::{Setup, Touch};
 use palpate_records::trace::{Driven, Event, Header, PlaceUm, event};
 
 use super::head::{origin, pair, shown};
-use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
+use super::{Burst, Contact, Felt, Picture, State, Wants};
 use crate::band;
 
 /// Time between two looks at temperatures and shares of limits, microseconds: a reader sees no more.
@@ -32,7 +33,7 @@ pub struct Painter {
     /// Results of the newest looks: temperatures, shares of limits, totals.
     warm: Vec<[f64; 2]>,
     used: Vec<(&'static str, f64)>,
-    totals: Option<Totals>,
+    totals: Option<DisplayTotals>,
     /// Times of the newest looks at temperatures and at totals, and of the newest picture.
     looked_us: [Option<u64>; 2],
     shown_us: u64,
@@ -152,6 +153,7 @@ impl Painter {
             let on_mm = state.map.shows(at).then(|| pair(state.map.apply(at)));
             Contact { on_mm, ..*contact }
         };
+        let totals = self.totals.as_ref();
         let mut picture = Picture {
             now_us,
             counts: self.counts(counts),
@@ -164,8 +166,8 @@ impl Painter {
                 false => self.warm.clone(),
             },
             used: self.used.clone(),
-            hottest: self.totals.map(|totals| totals.hottest),
-            energy_j: self.totals.map(|totals| totals.energy_j),
+            hottest: totals.map(|t| [t.hottest_tissue_c, t.hottest_deep_c, t.dose.0, t.dose.1]),
+            energy_j: totals.map(|totals| totals.electrical_j),
             bursts: Vec::new(),
             edges: Vec::new(),
             felt: Vec::new(),

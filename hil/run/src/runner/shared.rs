@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 
-use palpate_core::skin::ModuleScan;
+use palpate_core::skin::{ModuleScan, TakeScan};
 use palpate_core::units::Instant;
 use palpate_files::{Fault, Setup};
 use palpate_records::trace::Event;
@@ -140,11 +140,7 @@ impl<'a, 'b> Pads<'a, 'b> {
 }
 
 impl SkinEnd for Pads<'_, '_> {
-    fn scans(
-        &mut self,
-        _now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Failure> {
+    fn scans(&mut self, _now: Instant, take: &mut TakeScan<'_>) -> Result<(), Failure> {
         let mut shared = self.shared.borrow_mut();
         for held in shared.pads[self.finger].1.drain(..) {
             take(&ModuleScan {

@@ -3,12 +3,13 @@
 use super::{Exact, Heat, Watched};
 use crate::display::finger::NODES;
 use crate::display::solver::WireDrive;
-use crate::display::solver::branch::{Branch, Heading};
+use crate::display::solver::branch::Heading;
 use crate::display::solver::lanes::dot;
 use crate::display::solver::modal::{Mode, ModeKey, Propagator};
 use crate::display::solver::stretch::Stretch;
 use crate::display::solver::sum::{LEVEL_TOLERANCE, SumPoint, changes};
 use crate::time::Nanos;
+use palpate_core::physics::Line;
 use palpate_core::vector::{Simd, WithSimd};
 
 /// Events in one stretch after which the rest is taken in the regime reached. A bound on the work,
@@ -170,7 +171,7 @@ impl Exact {
     #[inline(always)]
     fn first_event(
         &self,
-        branch: &Branch,
+        branch: &Line,
         start: &Start,
         last: f64,
         span: f64,

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::drawing::contacts;
 use super::{FingerReport, HandReport, link};
-use crate::felt::{felt_level, felt_scores};
+use crate::felt::{FeltLevel, felt_level, felt_scores};
 use crate::margin::Margin;
-use crate::measure::path_error;
+use crate::measure::{Errors, path_error};
 use crate::model;
 use crate::report::page::table;
 use crate::report::svg::escape;
@@ -91,7 +91,9 @@ fn driven_by(hand: &HandReport<'_>, finger: &FingerReport<'_>) -> String {
 fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str)> {
     let trace = finger.trace;
     let none = || "\u{2013}".to_owned();
-    let mm = |um: u64| format!("{:.2}", um as f64 * 1e-3);
+    let rmse = |errors: Option<Errors>| {
+        errors.map_or_else(none, |e| format!("{:.2}", e.rmse_um as f64 * 1e-3))
+    };
     let drives = |contact: &&event::Contact| finger.drives(contact.module);
     let driving = trace.each().filter(drives).count();
     let [energy, _] = felt_scores(trace);
@@ -100,63 +102,29 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
         Event::Skin(now) => Some(now.milli_c),
         _ => None,
     });
-    let db = |mdb: i32| format!("{:+.1}", f64::from(mdb) * 1e-3);
+    let of_level = |text: &dyn Fn(&FeltLevel) -> String| level.as_ref().map_or_else(none, text);
+    let db = |of: fn(&FeltLevel) -> i32| of_level(&|l| format!("{:+.1}", f64::from(of(l)) * 1e-3));
+    let moved = of_level(&|l| format!("{:.1}", f64::from(l.skin_median_nm) * 1e-3));
     let driven = trace.ledger.driven;
     // Without a true path there is nothing to hold the felt path against.
     let known = trace.each::<event::Truth>().next().is_some();
     let [all, inside] = [energy.everywhere, energy.errors].map(|errors| errors.filter(|_| known));
+    let onsets = inside.map_or_else(none, |e| e.count.to_string());
+    let energy_mj = format!("{:.0}", trace.ledger.energy_uj as f64 * 1e-3);
     let mut rows = vec![
         ("contacts that drive", driving.to_string(), ""),
         ("contacts, all", contacts(finger).to_string(), ""),
-        (
-            "path error, RMSE",
-            path_error(trace).map_or_else(none, |e| mm(e.rmse_um)),
-            "mm",
-        ),
-        (
-            "felt level, median",
-            level.map_or_else(none, |l| db(l.median_mdb)),
-            "dB",
-        ),
-        (
-            "felt level, 5 %",
-            level.map_or_else(none, |l| db(l.p5_mdb)),
-            "dB",
-        ),
-        (
-            "felt error, RMSE",
-            all.map_or_else(none, |e| mm(e.rmse_um)),
-            "mm",
-        ),
-        (
-            "inside the wires",
-            inside.map_or_else(none, |e| mm(e.rmse_um)),
-            "mm",
-        ),
-        (
-            "onsets inside",
-            inside.map_or_else(none, |e| e.count.to_string()),
-            "",
-        ),
-        (
-            "skin moves, median",
-            level.map_or_else(none, |l| {
-                format!("{:.1}", f64::from(l.skin_median_nm) * 1e-3)
-            }),
-            "um",
-        ),
-        (
-            "breaks",
-            level.map_or_else(none, |_| energy.breaks.to_string()),
-            "onsets",
-        ),
+        ("path error, RMSE", rmse(path_error(trace)), "mm"),
+        ("felt level, median", db(|l| l.median_mdb), "dB"),
+        ("felt level, 5 %", db(|l| l.p5_mdb), "dB"),
+        ("felt error, RMSE", rmse(all), "mm"),
+        ("inside the wires", rmse(inside), "mm"),
+        ("onsets inside", onsets, ""),
+        ("skin moves, median", moved, "um"),
+        ("breaks", of_level(&|_| energy.breaks.to_string()), "onsets"),
         ("stimuli", driven.stimuli.to_string(), ""),
         ("limiter events", driven.limiter_events.to_string(), ""),
-        (
-            "energy",
-            format!("{:.0}", trace.ledger.energy_uj as f64 * 1e-3),
-            "mJ",
-        ),
+        ("energy", energy_mj, "mJ"),
     ];
     if let Some(hottest) = skin.max() {
         let hottest = model::known(f64::from(hottest) * 1e-3, model::TISSUE_C);

@@ -7,7 +7,7 @@ use super::{FingerReport, HandReport, link};
 use crate::felt::felt_level;
 use crate::measure::{length_us, path_error};
 use crate::report::figures::{RAMP, break_key, taxel_key};
-use crate::report::paths::{TAXELS, felt, mm, pitch, touched};
+use crate::report::paths::{Span, TAXELS, felt, mm, pitch, touched};
 use crate::report::scale::Scale;
 use crate::report::svg::{Plot, Svg, line_key};
 use crate::trace::event;
@@ -27,40 +27,6 @@ const TIP: f64 = 6.0;
 const LABEL: f64 = 7.0;
 /// Half the length of a wire's mark, mm.
 const BAR: f64 = 2.5;
-
-/// Least and most of both axes.
-#[derive(Clone, Copy)]
-struct Span {
-    low: (f64, f64),
-    high: (f64, f64),
-}
-
-impl Span {
-    fn around(places: impl Iterator<Item = (f64, f64)>, rim: f64) -> Option<Self> {
-        let wide = |all: Option<Self>, (x, y): (f64, f64)| {
-            let all = all.unwrap_or(Self {
-                low: (x, y),
-                high: (x, y),
-            });
-            Some(Self {
-                low: (all.low.0.min(x), all.low.1.min(y)),
-                high: (all.high.0.max(x), all.high.1.max(y)),
-            })
-        };
-        let all = places.fold(None, wide)?;
-        Some(Self {
-            low: (all.low.0 - rim, all.low.1 - rim),
-            high: (all.high.0 + rim, all.high.1 + rim),
-        })
-    }
-
-    /// Factor by which these millimetres fit into a room; 1 at most.
-    fn fit(&self, room: (f64, f64)) -> f64 {
-        let part = |size: f64, room: f64| room / size.max(1e-6);
-        let (w, h) = (self.high.0 - self.low.0, self.high.1 - self.low.1);
-        part(w, room.0).min(part(h, room.1)).min(1.0)
-    }
-}
 
 /// Things drawn on fingers: places of each thing's own plane, which end at the fingertips.
 struct Worn {
