@@ -52,7 +52,7 @@ mod unit;
 pub use calibrate::calibrate;
 pub use check::check;
 pub use compare::compare;
-pub use contacts::contacts;
+pub use contacts::{Row, contacts};
 pub use design::design;
 pub use devices::{bench_on, enough_adapters, skin_on};
 pub use diff::diff;
