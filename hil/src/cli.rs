@@ -19,7 +19,7 @@ mod sweep;
 mod texture;
 mod unit;
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -42,7 +42,10 @@ pub use import::ImportArgs;
 pub use meant::meant;
 pub use names::{VARIABLE, complete};
 use palpate_files::{Gain, TimeColumn};
+use palpate_live::output::{print, print_json};
+use palpate_run::Failure;
 pub use reproduce::ReproduceArgs;
+use serde::Serialize;
 pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
@@ -265,6 +268,24 @@ pub struct Voice {
     /// Print nothing but errors.
     #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+impl Voice {
+    /// Prints a result: nothing where quiet, JSON where that is wanted, otherwise the text.
+    ///
+    /// # Errors
+    /// Errors of [`print()`].
+    pub fn tell<T: Serialize>(
+        self,
+        json: impl FnOnce() -> T,
+        text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        match self {
+            Self { json: true, .. } => print_json(&json()),
+            Self { quiet: true, .. } => Ok(()),
+            _ => print(text),
+        }
+    }
 }
 
 /// Switch: on or off.

@@ -7,7 +7,7 @@ use palpate_files::{
     FileKind, Loaded, Proposal, REFERENCE_ROWS, Recipe, RecipePlan, Rows, SensorLayout, Source,
     Take, Timing, is_stream, plan_of, propose, said,
 };
-use palpate_live::output::{note, print, write_file};
+use palpate_live::output::{note, print, write_text};
 use palpate_run::Failure;
 
 use super::new::write_schema;
@@ -68,7 +68,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
     match &args.out {
         Some(path) => {
             write_schema(path, FileKind::Recording)?;
-            write_file(path, |out| out.write_all(proposal.text.as_bytes()))?;
+            write_text(path, &proposal.text)?;
             note(&format!(
                 "wrote {}; `hil contacts {0}` reads the recording by it",
                 path.display()

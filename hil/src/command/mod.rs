@@ -54,6 +54,7 @@ pub use check::check;
 pub use compare::compare;
 pub use contacts::{Row, contacts};
 pub use design::design;
+pub use design_response::response;
 pub use devices::{bench_on, enough_adapters, skin_on};
 pub use diff::diff;
 pub use doctor::doctor;
