@@ -81,14 +81,21 @@ fn refuse(file: &NewFile) -> Result<(), Failure> {
             file.name
         )));
     }
-    let path = path(file);
-    if path.exists() && !file.force {
-        return Err(Failure::Input(format!(
+    expect_new(&path(file), file.force)
+}
+
+/// Refuses a file that is there.
+///
+/// # Errors
+/// [`Failure::Input`] for it, unless with `force`.
+pub fn expect_new(path: &Path, force: bool) -> Result<(), Failure> {
+    match path.exists() && !force {
+        false => Ok(()),
+        true => Err(Failure::Input(format!(
             "{}: expected a file that is not there yet; --force overwrites it",
             path.display()
-        )));
+        ))),
     }
-    Ok(())
 }
 
 /// A value from the command line, else from a person at a terminal, else the default.
