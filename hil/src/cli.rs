@@ -19,14 +19,14 @@ mod sweep;
 mod texture;
 mod unit;
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 pub use calibrate::{CalibrateArgs, Planned};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
-pub use contacts::{ContactsArgs, StaleArg};
+pub use contacts::{ContactsArgs, StaleArg, Threshold, threshold};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
@@ -42,7 +42,10 @@ pub use import::ImportArgs;
 pub use meant::meant;
 pub use names::{VARIABLE, complete};
 use palpate_files::{Gain, TimeColumn};
+use palpate_live::output::{print, print_json};
+use palpate_run::Failure;
 pub use reproduce::ReproduceArgs;
+use serde::Serialize;
 pub use serve::ServeArgs;
 pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
@@ -119,19 +122,6 @@ pub(crate) fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(
         .ok_or_else(|| format!("expected a whole number from {LOW} to {HIGH}"))
 }
 
-/// A rule by its name, or raw counts.
-fn threshold(text: &str) -> Result<Threshold, String> {
-    match text {
-        "auto" => return Ok(Threshold::Auto),
-        "per-taxel" => return Ok(Threshold::PerTaxel),
-        _ => {}
-    }
-    match text.parse() {
-        Ok(counts) if (0.0..=1e6).contains(&counts) => Ok(Threshold::Counts(counts)),
-        _ => Err("expected auto, per-taxel or raw counts from 0 to 1000000".into()),
-    }
-}
-
 /// A positive number that files take too.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     within(text, (0.01, 86_400.0), "")
@@ -146,17 +136,6 @@ const FOXGLOVE_AT: &str = "8765";
 /// Parses the address at which a page is served.
 fn serve_at(text: &str) -> Result<SocketAddr, String> {
     palpate_live::serve::address(text)
-}
-
-/// Rules that find the contact threshold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Threshold {
-    /// The largest value of the first row after the reference.
-    Auto,
-    /// Threshold from every taxel's own noise.
-    PerTaxel,
-    /// Raw counts.
-    Counts(f32),
 }
 
 /// The commands.
@@ -289,6 +268,24 @@ pub struct Voice {
     /// Print nothing but errors.
     #[arg(short = 'q', long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+impl Voice {
+    /// Prints a result: nothing where quiet, JSON where that is wanted, otherwise the text.
+    ///
+    /// # Errors
+    /// Errors of [`print()`].
+    pub fn tell<T: Serialize>(
+        self,
+        json: impl FnOnce() -> T,
+        text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        match self {
+            Self { json: true, .. } => print_json(&json()),
+            Self { quiet: true, .. } => Ok(()),
+            _ => print(text),
+        }
+    }
 }
 
 /// Switch: on or off.

@@ -95,7 +95,10 @@ fn run(cli: Cli) -> Result<u8, Failure> {
         Some(Command::Identify(args)) => command::identify(&args),
         Some(Command::Calibrate(args)) => command::calibrate(&args),
         Some(Command::Compare(args)) => command::compare(&args, cli.color),
-        Some(Command::Design(args)) => command::design(&args, cli.color),
+        Some(Command::Design(args)) => match &args.response {
+            Some(bench) => command::response(&args, bench, cli.color),
+            None => command::design(&args, cli.color),
+        },
         Some(Command::Reproduce(args)) => command::reproduce(&args),
         Some(Command::Sweep(args)) => command::sweep(&args, cli.color),
         Some(Command::Test(args)) => command::test(&args, cli.color),

@@ -8,18 +8,16 @@ use std::fs;
 use std::io::{self, Read};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Mutex, Once};
 
 use palpate_buses::signals::Signals;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::low_level::pipe;
 
+use crate::lock::held;
+
 /// The files that are half-written.
 static HALF: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-fn half() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    HALF.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// A file that is being written under a name of its own until it is whole.
 #[derive(Debug)]
@@ -36,7 +34,7 @@ impl Partial {
         static WATCHED: Once = Once::new();
         // Without a watch a signal leaves the file, and the next run of the command does not mind.
         WATCHED.call_once(|| drop(watch()));
-        let mut half = half();
+        let mut half = held(&HALF);
         let file = fs::File::create(path)?;
         half.insert(path.to_path_buf());
         Ok((
@@ -58,7 +56,7 @@ impl Partial {
 
 impl Drop for Partial {
     fn drop(&mut self) {
-        let mut half = half();
+        let mut half = held(&HALF);
         // Best effort: one that was renamed is not there.
         let _ = fs::remove_file(&self.path);
         half.remove(&self.path);
@@ -79,7 +77,7 @@ fn watch() -> io::Result<()> {
                 continue;
             }
             // Held to the end: nothing is begun or renamed any more.
-            let half = half();
+            let half = held(&HALF);
             for path in half.iter() {
                 let _ = fs::remove_file(path);
             }

@@ -8,6 +8,7 @@ pub mod ending;
 pub mod host;
 pub mod interfaces;
 pub mod link;
+mod lock;
 pub mod output;
 pub mod progress;
 pub mod real;

@@ -100,11 +100,15 @@ impl Outputs<'_> {
         }
     }
 
-    /// Checks that a table (CSV) with this head may be written: an earlier output of another command is refused.
+    /// Checks that a table (CSV) with this head may be written, where it has a path: an earlier output of another
+    /// command is refused.
     ///
     /// # Errors
     /// Errors of [`Outputs::check`].
-    pub fn check_csv(self, path: &Path, head: &str) -> Result<(), Failure> {
+    pub fn check_csv(self, path: Option<&Path>, head: &str) -> Result<(), Failure> {
+        let Some(path) = path else {
+            return Ok(());
+        };
         self.check(path, Format::Csv)?;
         let mut start = Vec::new();
         let Ok(file) = open(path, "a table") else {
@@ -135,6 +139,31 @@ impl Outputs<'_> {
     ) -> Result<(), Failure> {
         self.check(path, format)?;
         write_file(path, content)
+    }
+
+    /// [`Outputs::check`] of an output that is wanted only where it has a path.
+    ///
+    /// # Errors
+    /// Errors of [`Outputs::check`].
+    pub fn check_some(self, path: Option<&Path>, format: Format) -> Result<(), Failure> {
+        path.map_or(Ok(()), |path| self.check(path, format))
+    }
+
+    /// Writes a text that is wanted only where it has a path, where nothing else is lost.
+    ///
+    /// # Errors
+    /// Errors of [`Outputs::write`].
+    pub fn write_some(
+        self,
+        path: Option<&Path>,
+        format: Format,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        let Some(path) = path else {
+            return Ok(());
+        };
+        self.check(path, format)?;
+        write_text(path, &text())
     }
 
     /// Opens a file that grows while its recording goes on, where nothing else is lost.
@@ -183,6 +212,14 @@ pub fn write_file(
         unfinished.finish(&file)
     }
     written(path, &mut once(content)).map_err(Failure::written(path))
+}
+
+/// [`write_file`] of a text.
+///
+/// # Errors
+/// Errors of [`write_file`].
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    write_file(path, |out| out.write_all(text.as_bytes()))
 }
 
 /// Content as a function that is not generic takes it. Such a function is compiled once and not once per caller.
@@ -262,9 +299,10 @@ pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failur
     if !is_ordinary(table) {
         return Ok(());
     }
-    write_file(&table.with_extension("schema.json"), |out| {
-        out.write_all(contacts_schema(header).as_bytes())
-    })
+    write_text(
+        &table.with_extension("schema.json"),
+        &contacts_schema(header),
+    )
 }
 
 /// Makes a folder and those above it, where they are not there yet.
@@ -293,6 +331,17 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
 /// Writes a remark on standard error, which may be closed.
 pub fn note(text: &str) {
     let _ = aside(|| writeln!(io::stderr(), "note: {}", unnumbered(text)));
+}
+
+/// Names the files that a command wrote, below its result.
+///
+/// # Errors
+/// Errors of `out`.
+pub fn list_written<'p>(
+    mut paths: impl Iterator<Item = &'p PathBuf>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    paths.try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
 }
 
 /// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.

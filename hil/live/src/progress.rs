@@ -8,11 +8,13 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::lock::held;
 
 /// Time within which work ends without a line.
 const LATE: Duration = Duration::from_secs(2);
@@ -28,10 +30,6 @@ static ASIDE: AtomicBool = AtomicBool::new(false);
 /// The line that is shown, or will be; work within other work has none of its own.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-fn shown() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
-    SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// Allows progress to be shown, where standard error is a terminal that can redraw a line and no CI keeps a log of it.
 pub fn allow() {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
@@ -42,7 +40,7 @@ pub fn allow() {
 
 /// Writes to the terminal while the line is out of the way.
 pub fn aside<T>(write: impl FnOnce() -> T) -> T {
-    let bar = shown().clone();
+    let bar = held(&SHOWN).clone();
     ASIDE.store(true, Ordering::Relaxed);
     let written = match bar {
         Some(bar) => bar.suspend(write),
@@ -111,7 +109,7 @@ impl Progress {
             at: Arc::clone(&at),
             shown: None,
         };
-        let mut other = shown();
+        let mut other = held(&SHOWN);
         let hidden = ASIDE.load(Ordering::Relaxed) && std::io::stdout().is_terminal();
         if !ALLOWED.load(Ordering::Relaxed) || hidden || other.is_some() {
             return none;
@@ -161,7 +159,7 @@ impl Drop for Progress {
             drop(ends);
             // The thread has cleared its line, so the next text stands where it was.
             let _ = thread.join();
-            *shown() = None;
+            *held(&SHOWN) = None;
         }
     }
 }

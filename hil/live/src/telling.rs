@@ -3,7 +3,7 @@
 //! A thread of its own writes: a reader that stops reading keeps no unit and no emulator from its next turn.
 
 use std::io::{self, Write};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
@@ -11,6 +11,8 @@ use palpate_buses::served::wait::monotonic_ns;
 use palpate_records::json::write_json;
 use palpate_run::Failure;
 use serde::Serialize;
+
+use crate::lock::held;
 
 /// Bytes that wait for a reader at the most: a quarter of a minute of a hand whose outputs all change.
 const MOST: usize = 16 << 20;
@@ -105,17 +107,12 @@ struct Desk {
 }
 
 impl Desk {
-    /// Locks the output. It is whole even where a thread panicked with the lock.
-    fn waiting(&self) -> MutexGuard<'_, Waiting> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Writes waiting output, until that fails or nobody speaks any more.
     fn write(&self, mut out: impl Write) {
         let mut taken = Vec::new();
         loop {
             let idle = |w: &mut Waiting| !w.is_over && (!w.is_due || w.bytes.is_empty());
-            let waited = self.changed.wait_while(self.waiting(), idle);
+            let waited = self.changed.wait_while(held(&self.waiting), idle);
             let mut waiting = waited.unwrap_or_else(PoisonError::into_inner);
             if waiting.is_over {
                 return;
@@ -125,12 +122,12 @@ impl Desk {
             drop(waiting);
             let written = taken.chunks(PIECE).try_for_each(|piece| -> io::Result<()> {
                 out.write_all(piece)?;
-                self.waiting().written += 1;
+                held(&self.waiting).written += 1;
                 Ok(())
             });
             let written = written.and_then(|()| out.flush());
             taken.clear();
-            let mut waiting = self.waiting();
+            let mut waiting = held(&self.waiting);
             waiting.is_writing = false;
             waiting.is_over |= written.is_err();
             waiting.failed = written.err();
@@ -140,7 +137,7 @@ impl Desk {
 
     /// Returns when everything is written, or nobody has taken anything for a while.
     fn drain(&self) -> Result<(), Failure> {
-        let mut waiting = self.waiting();
+        let mut waiting = held(&self.waiting);
         waiting.is_due = true;
         self.changed.notify_all();
         while !waiting.is_over && (waiting.is_writing || !waiting.bytes.is_empty()) {
@@ -202,7 +199,7 @@ impl Teller {
     /// # Errors
     /// Errors of [`Self::tell`].
     pub fn flush(&mut self) -> Result<(), Failure> {
-        let mut waiting = self.desk.waiting();
+        let mut waiting = held(&self.desk.waiting);
         waiting.is_due = true;
         self.desk.changed.notify_all();
         waiting.failure()
@@ -219,7 +216,7 @@ impl Teller {
 
     /// Queues a line, if fewer than `most` bytes wait.
     fn say(&mut self, told: &impl Say, most: usize) -> Result<(), Failure> {
-        let mut waiting = self.desk.waiting();
+        let mut waiting = held(&self.desk.waiting);
         waiting.failure()?;
         if self.form == Telling::Nothing || waiting.is_over {
             return Ok(());
@@ -248,7 +245,7 @@ impl Drop for Teller {
     fn drop(&mut self) {
         // An error here reaches nobody.
         let _ = self.desk.drain();
-        self.desk.waiting().is_over = true;
+        held(&self.desk.waiting).is_over = true;
         self.desk.changed.notify_all();
     }
 }

@@ -3,13 +3,11 @@
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 
-use palpate_core::contact::{Contact, Levels, Settings};
-use palpate_core::skin::{BaselineSettings, ThresholdRule};
-use palpate_core::units::Duration;
-use palpate_files::{
-    Columns, DRIFT_S, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_skin, norm, scope,
-};
-use palpate_records::trace::{PlaceUm, event};
+use palpate_core::contact::{Levels, Settings};
+use palpate_core::skin::BaselineSettings;
+use palpate_files::{Columns, axes_named, load_skin, norm, scope};
+use palpate_hil::cli::threshold;
+use palpate_hil::command::Row;
 use palpate_run::{Failure, Intensities, Search, plan};
 use pyo3::prelude::*;
 
@@ -17,14 +15,11 @@ use crate::errors::free;
 use crate::table::Table;
 use crate::tables;
 
-/// A contact, with the number and time of its row.
-type Found = (u32, u64, Contact);
-
 struct State {
     finder: palpate_run::Finder,
     /// Counts per row.
     columns: usize,
-    found: Vec<Found>,
+    found: Vec<Row>,
     intensities: Intensities,
     /// Levels over all contacts, found at the end.
     levels: Levels,
@@ -76,33 +71,19 @@ fn named<T>(what: &str, read: Result<T, String>) -> Result<T, Failure> {
 
 impl Wanted {
     fn search(&self) -> Result<Search, Failure> {
-        let threshold = match self.threshold.as_str() {
-            "auto" => ThresholdRule::Auto { margin: 0.0 },
-            "per-taxel" => ThresholdRule::PerTaxel {
-                sigmas: THRESHOLD_SIGMAS as f32,
-                floor: THRESHOLD_FLOOR as f32,
-            },
-            text => match text.parse() {
-                Ok(counts) if (0.0..=1e6).contains(&counts) => ThresholdRule::Fixed { counts },
-                _ => {
-                    let text = format!(
-                        "threshold: expected \"auto\", \"per-taxel\" or raw counts from 0 to 1000000, found {text}"
-                    );
-                    return Err(Failure::Input(text));
-                }
-            },
-        };
-        let drift = self
-            .drift_s
-            .or((self.threshold == "per-taxel").then_some(DRIFT_S))
-            .map(|s| Duration::from_micros((s * 1e6).round() as u64));
+        let threshold = threshold(&self.threshold).map_err(|_| {
+            Failure::Input(format!(
+                "threshold: expected \"auto\", \"per-taxel\" or raw counts from 0 to 1000000, found {}",
+                self.threshold
+            ))
+        })?;
         Ok(Search {
             baseline: BaselineSettings {
                 reference_frames: self.reference_frames,
                 fault_sigmas: self.faulty_deviations.map(|k| k as f32),
-                threshold,
+                threshold: threshold.rule(),
                 axes: named("axes", axes_named(&self.axes))?,
-                drift,
+                drift: threshold.drift(self.drift_s),
             },
             compression: Settings {
                 clusters: self.kc,
@@ -165,9 +146,13 @@ impl Finder {
         free(py, || {
             for (time_us, row) in times.iter().zip(counts.chunks_exact(state.columns)) {
                 let frame = u32::try_from(state.finder.rows()).unwrap_or(u32::MAX);
-                for contact in state.finder.row(*time_us, row)? {
-                    state.intensities.add(contact);
-                    state.found.push((frame, *time_us, *contact));
+                for &contact in state.finder.row(*time_us, row)? {
+                    state.intensities.add(&contact);
+                    state.found.push(Row {
+                        time_us: *time_us,
+                        frame,
+                        contact,
+                    });
                 }
             }
             Ok(())
@@ -198,19 +183,9 @@ impl Finder {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let state = &*state;
         free(py, || {
-            let contact = |&(frame, t_us, contact): &Found| event::Contact {
-                t_us,
-                frame,
-                module: contact.module,
-                contact: contact.id,
-                place: PlaceUm::from(contact.place),
-                intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
-                level: state.levels.level(&contact),
-                members: contact.members,
-            };
+            let recorded = |row: &Row| row.recorded(state.levels.level(&row.contact));
             let found = state.found.iter().skip(begin).take(count);
-            let rows: Vec<event::Contact> = found.map(contact).collect();
-            Ok(tables::contacts(&rows))
+            Ok(tables::contacts(&found.map(recorded).collect::<Vec<_>>()))
         })
     }
 }

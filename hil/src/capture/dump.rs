@@ -23,6 +23,9 @@ const NO_LEVELS: [&str; 6] = [
     "parameter",
 ];
 
+/// Expectation of what stands before the values.
+const BODY: &str = "declarations that end with $enddefinitions";
+
 /// The section that is read, up to its `$end`.
 #[derive(Debug, PartialEq, Eq)]
 enum Section {
@@ -108,10 +111,9 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
         }
     }
     if !dump.in_body {
-        let expected = "declarations that end with $enddefinitions";
         return Err(FileError {
             line: Some(last.max(1)),
-            ..FileError::whole(label, expected, "none")
+            ..FileError::whole(label, BODY, "none")
         });
     }
     let is_scaled = dump.tick.is_some();
@@ -132,10 +134,8 @@ impl Dump {
         match self.section {
             Section::Skipped => return Ok(()),
             Section::Words(_) if self.words.len() == MOST_WORDS => {
-                return Err((
-                    "a declaration that ends with $end",
-                    format!("{MOST_WORDS} words"),
-                ));
+                let found = format!("{MOST_WORDS} words");
+                return Err(("a declaration that ends with $end", found));
             }
             Section::Words(_) => {
                 self.words.push(word.to_owned());
@@ -149,20 +149,12 @@ impl Dump {
             }
             return Ok(());
         }
-        let unknown = || {
-            (
-                "a keyword, a stamp or a value",
-                format!("`{}`", shortened(word)),
-            )
-        };
+        let unknown = || ("a keyword, a stamp or a value", quoted(word));
         let (first, rest) = word.split_at_checked(1).ok_or_else(unknown)?;
         match first {
             "$" => self.keyword(word),
             _ if !self.in_body => {
-                return Err((
-                    "declarations that end with $enddefinitions",
-                    format!("`{}`", shortened(word)),
-                ));
+                return Err((BODY, quoted(word)));
             }
             "#" => return self.stamp(rest),
             "b" | "B" => {
@@ -218,8 +210,7 @@ impl Dump {
                 let text = words.concat();
                 let tick = tick(&text);
                 let expected = "a $timescale of 1 and more s, ms, us, ns, ps or fs";
-                self.tick =
-                    Some(tick.ok_or_else(|| (expected, format!("`{}`", shortened(&text))))?);
+                self.tick = Some(tick.ok_or_else(|| (expected, quoted(&text)))?);
             }
             _ => self.variable(&words)?,
         }
@@ -230,7 +221,7 @@ impl Dump {
     fn variable(&mut self, words: &[String]) -> Result<(), Wrong> {
         let [kind, width, code, name, index @ ..] = words else {
             let expected = "a kind, a width, a code and a name behind $var";
-            return Err((expected, format!("`{}`", shortened(&words.join(" ")))));
+            return Err((expected, quoted(&words.join(" "))));
         };
         if width != "1" || NO_LEVELS.contains(&kind.as_str()) {
             return Ok(());
@@ -240,12 +231,9 @@ impl Dump {
     }
 
     fn stamp(&mut self, text: &str) -> Result<(), Wrong> {
-        let stamp: i128 = text.parse().map_err(|_| {
-            (
-                "a stamp that is a whole number",
-                format!("`#{}`", shortened(text)),
-            )
-        })?;
+        let expected = "a stamp that is a whole number";
+        let found = || (expected, format!("`#{}`", shortened(text)));
+        let stamp: i128 = text.parse().map_err(|_| found())?;
         let since = stamp.saturating_sub(*self.zero.get_or_insert(stamp));
         let (up, down) = self.tick.unwrap_or((1, 1));
         let ns = since.saturating_mul(i128::from(up)) / i128::from(down);
@@ -259,10 +247,7 @@ impl Dump {
             return;
         };
         let signal = &mut self.declared.signals[place];
-        match level {
-            Some(high) => self.changes += usize::from(signal.set(self.now, high)),
-            None => signal.lose(self.now),
-        }
+        self.changes += usize::from(signal.change(self.now, level));
     }
 
     fn recorded_again(&mut self) {
@@ -282,17 +267,21 @@ impl Dump {
 
     fn finish(mut self) -> Capture {
         self.recorded_again();
-        let mut capture = self.capture;
-        capture.signals = self.declared.signals;
         let (up, down) = self.tick.unwrap_or((1, 1));
-        capture.resolution_ns = (up / down).max(1);
-        capture.end_ns = self.now;
-        capture
-            .signals
-            .iter_mut()
-            .for_each(|signal| signal.end(self.now));
-        capture
+        let Capture {
+            unrecorded, notes, ..
+        } = self.capture;
+        Capture {
+            unrecorded,
+            notes,
+            ..Capture::of_dump(self.declared.signals, up / down, self.now)
+        }
     }
+}
+
+/// The beginning of a text in quotes.
+fn quoted(text: &str) -> String {
+    format!("`{}`", shortened(text))
 }
 
 fn shortened(text: &str) -> String {

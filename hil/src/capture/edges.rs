@@ -31,6 +31,22 @@ pub struct Capture {
     pub notes: Vec<String>,
 }
 
+impl Capture {
+    /// Capture of a dump that ends with its signals at `end_ns`.
+    pub(super) fn of_dump(mut signals: Vec<Signal>, resolution_ns: u64, end_ns: u64) -> Self {
+        for signal in &mut signals {
+            let lost = signal.lost.take();
+            signal.unseen.extend(lost.map(|from| (from, end_ns)));
+        }
+        Self {
+            signals,
+            resolution_ns: resolution_ns.max(1),
+            end_ns,
+            ..Self::default()
+        }
+    }
+}
+
 impl Signal {
     /// A signal of this name with these edges, whose level is known throughout.
     pub fn new(name: String, edges: Vec<(u64, bool)>) -> Self {
@@ -54,15 +70,14 @@ impl Signal {
         is_edge
     }
 
-    /// Loses sight of the level, until it is set again.
-    pub(super) fn lose(&mut self, t_ns: u64) {
-        self.lost.get_or_insert(t_ns);
-    }
-
-    /// Ends the capture.
-    pub(super) fn end(&mut self, t_ns: u64) {
-        if let Some(from) = self.lost.take() {
-            self.unseen.push((from, t_ns));
+    /// Takes a change of a dump: sets the level, or loses sight of one that is unknown. Returns true for an edge.
+    pub(super) fn change(&mut self, t_ns: u64, level: Option<bool>) -> bool {
+        match level {
+            Some(high) => self.set(t_ns, high),
+            None => {
+                self.lost.get_or_insert(t_ns);
+                false
+            }
         }
     }
 

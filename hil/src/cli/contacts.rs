@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use palpate_core::contact::{Norm, Scope};
-use palpate_core::skin::Axes;
-use palpate_files::{Gain, TimeColumn};
+use palpate_core::skin::{Axes, ThresholdRule};
+use palpate_core::units::Duration;
+use palpate_files::{DRIFT_S, Gain, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, TimeColumn};
 
-use super::{Threshold, positive, rate, threshold, whole, within};
+use super::{positive, rate, whole, within};
 
 /// Handling of rows that repeat the row before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -16,6 +17,53 @@ pub enum StaleArg {
     Keep,
     /// Leave repeated rows out.
     Skip,
+}
+
+/// Rules that find the contact threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Threshold {
+    /// The largest value of the first row after the reference.
+    Auto,
+    /// Threshold from every taxel's own noise.
+    PerTaxel,
+    /// Raw counts.
+    Counts(f32),
+}
+
+impl Threshold {
+    /// Rule that the baseline takes; per taxel as scenes have it by default.
+    pub const fn rule(self) -> ThresholdRule {
+        match self {
+            Self::Auto => ThresholdRule::Auto { margin: 0.0 },
+            Self::PerTaxel => ThresholdRule::PerTaxel {
+                sigmas: THRESHOLD_SIGMAS as f32,
+                floor: THRESHOLD_FLOOR as f32,
+            },
+            Self::Counts(counts) => ThresholdRule::Fixed { counts },
+        }
+    }
+
+    /// Time constant of the reference's drift: seconds where they are given, otherwise what this threshold needs.
+    pub fn drift(self, seconds: Option<f64>) -> Option<Duration> {
+        let seconds = seconds.or((self == Self::PerTaxel).then_some(DRIFT_S));
+        seconds.map(|s| Duration::from_micros((s * 1e6).round() as u64))
+    }
+}
+
+/// A rule by its name, or raw counts.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn threshold(text: &str) -> Result<Threshold, String> {
+    match text {
+        "auto" => return Ok(Threshold::Auto),
+        "per-taxel" => return Ok(Threshold::PerTaxel),
+        _ => {}
+    }
+    match text.parse() {
+        Ok(counts) if (0.0..=1e6).contains(&counts) => Ok(Threshold::Counts(counts)),
+        _ => Err("expected auto, per-taxel or raw counts from 0 to 1000000".into()),
+    }
 }
 
 /// Options of `hil contacts`.

@@ -9,22 +9,14 @@ use palpate_files::{
     load_priors, load_scene,
 };
 use palpate_run::calibrate::{Calibration, Drawn, ENOUGH, Kinds, Posterior, SCENE, Spread};
-use palpate_run::{Failure, Host, plan};
+use palpate_run::{Failure, plan};
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::sweep::{Stopping, pool};
 use crate::cli::{CalibrateArgs, Planned};
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::Outputs;
 use palpate_live::progress::Progress;
-
-/// Ends a run when a signal came.
-struct Stopping<'a>(&'a Signals);
-
-impl Host for Stopping<'_> {
-    fn passed(&mut self, _part: f64) -> bool {
-        self.0.caught().is_some()
-    }
-}
 
 /// Draws, weighs and prints.
 ///
@@ -43,15 +35,13 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     plan::one_display(&bench)?;
     let setup = Setup::join(load_scene(SCENE)?, bench)?.with(&overrides)?;
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.out {
-        outputs.check(path, Format::Toml)?;
-    }
+    outputs.check_some(args.out.as_deref(), Format::Toml)?;
     let own = args.planned == Planned::Own;
     let calibration = Calibration::new(setup, &priors, &evidence, own, args.seed)?;
     let posterior = enough(args, &calibration)?;
     if let Some(path) = &args.out {
-        let text = band(args, path, &calibration, &posterior).text();
-        outputs.write(path, Format::Toml, |out| out.write_all(text.as_bytes()))?;
+        let text = || band(args, path, &calibration, &posterior).text();
+        outputs.write_some(Some(path), Format::Toml, text)?;
     }
     tell(args, &posterior)
 }
@@ -75,10 +65,8 @@ fn band(
 
 /// Draws until the effective sample size is enough, or no more may be drawn.
 fn enough(args: &CalibrateArgs, calibration: &Calibration) -> Result<Posterior, Failure> {
-    let cores = || std::thread::available_parallelism().map_or(1, Into::into);
-    let jobs = args.jobs.unwrap_or_else(cores);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
+    let pool = pool(args.jobs)?;
+    let jobs = pool.current_num_threads();
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let most = args.most.max(args.draws);
     let (mut drawn, mut wanted) = (Vec::new(), args.draws);
@@ -121,17 +109,14 @@ fn enough(args: &CalibrateArgs, calibration: &Calibration) -> Result<Posterior, 
 }
 
 fn tell(args: &CalibrateArgs, posterior: &Posterior) -> Result<(), Failure> {
-    if args.voice.quiet {
-        return Ok(());
-    }
-    if args.voice.json {
-        return print_json(&json!({
+    let object = || {
+        json!({
             "bench": args.bench, "scene": SCENE, "priors": args.priors, "evidence": args.evidence,
             "planned": if args.planned == Planned::Own { "own" } else { "nominal" },
             "seed": args.seed, "posterior": posterior,
-        }));
-    }
-    print(|out| {
+        })
+    };
+    args.voice.tell(object, |out| {
         writeln!(
             out,
             "{} on {SCENE}: {} draws, effective sample size {:.0}",

@@ -11,7 +11,7 @@ use palpate_run::Failure;
 use serde_json::json;
 
 use crate::cli::{CheckArgs, SagState};
-use palpate_live::output::{note, print, print_json, write_file};
+use palpate_live::output::{note, print, print_json, write_text};
 
 /// A file and its errors.
 struct Told {
@@ -95,18 +95,17 @@ fn migrate(args: &CheckArgs) -> Result<Vec<PathBuf>, Failure> {
             files.push(path.clone());
             continue;
         };
-        let put = |path: &Path, text: &str| write_file(path, |out| out.write_all(text.as_bytes()));
         let beside = path.with_extension("migrated.toml");
         let target = if args.force {
             let old = PathBuf::from(format!("{}.old", path.display()));
             expect_new(&old)?;
-            put(&old, Source::open(path)?.text())?;
+            write_text(&old, Source::open(path)?.text())?;
             path.clone()
         } else {
             expect_new(&beside)?;
             beside
         };
-        put(&target, &found.text)?;
+        write_text(&target, &found.text)?;
         found.changes.iter().for_each(|text| note(text));
         note(&format!("wrote {}", target.display()));
         files.push(target);

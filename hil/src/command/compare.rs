@@ -15,7 +15,7 @@ use crate::history::{
     Compared, Named, Tolerance, Trend, compare_objects, compare_tables, page, page_of_two, trends,
 };
 use crate::sweep::read_table;
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::Outputs;
 use palpate_live::progress::Progress;
 
 /// Longest result that is read as a whole.
@@ -29,9 +29,7 @@ const SUMMARY: &str = "summary.json";
 /// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a figure differs or runs lack.
 pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.html {
-        outputs.check(path, Format::Html)?;
-    }
+    outputs.check_some(args.html.as_deref(), Format::Html)?;
     let tolerance = Tolerance(args.tolerance_percent / 100.0);
     let (compared, all) = match &args.b {
         Some(b) => (two(&args.a, b, tolerance)?, Vec::new()),
@@ -51,29 +49,20 @@ pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
     let b = args.b.as_deref().unwrap_or(Path::new(""));
     let names = [&*args.a, b].map(|path| path.display().to_string());
     let names = [&*names[0], &names[1]];
-    if let Some(path) = &args.html {
-        let text = match &args.b {
-            Some(_) => page_of_two(&compared, names),
-            None => page(&all, &compared),
-        };
-        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-    }
-    if args.voice.json {
-        print_json(&object(&compared, &all))?;
-    } else if !args.voice.quiet {
-        let colored = color.on(&io::stdout());
-        print(|out| {
-            compared.conclusion.write(out, colored)?;
-            match compared.named.is_empty() {
-                false => figures(&compared, names, args.long, out)?,
-                true => differences(&compared, out)?,
-            }
-            let trends = all.iter().flat_map(Trend::table);
-            trends
-                .into_iter()
-                .try_for_each(|line| writeln!(out, "{line}"))
-        })?;
-    }
+    outputs.write_some(args.html.as_deref(), Format::Html, || match &args.b {
+        Some(_) => page_of_two(&compared, names),
+        None => page(&all, &compared),
+    })?;
+    let object = || object(&compared, &all);
+    args.voice.tell(object, |out| {
+        compared.conclusion.write(out, color.on(&io::stdout()))?;
+        match compared.named.is_empty() {
+            false => figures(&compared, names, args.long, out)?,
+            true => differences(&compared, out)?,
+        }
+        let mut trends = all.iter().flat_map(Trend::table);
+        trends.try_for_each(|line| writeln!(out, "{line}"))
+    })?;
     match compared.conclusion.verdict {
         Verdict::Ok => Ok(()),
         _ => Err(Failure::Check(String::new())),

@@ -4,17 +4,14 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use palpate_core::contact::{Contact, Settings};
-use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
-use palpate_core::units::Duration;
+use palpate_core::skin::{BaselineSettings, Layout};
 use palpate_records::contacts_csv;
 use palpate_records::json::write_json;
 use palpate_records::trace::{PlaceUm, event};
 use serde_json::json;
 
-use crate::cli::{ContactsArgs, StaleArg, Threshold};
-use palpate_files::{
-    Columns, DRIFT_S, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_skin,
-};
+use crate::cli::{ContactsArgs, StaleArg};
+use palpate_files::{Columns, Rows, Timing, is_stream, load_skin};
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
 use palpate_live::recording::{Reading, Recorded};
@@ -24,18 +21,31 @@ use palpate_run::{Failure, Finder, Intensities, Search};
 use super::ahead::ahead;
 use super::rate::rate_of;
 
-/// `--threshold per-taxel`, as scenes have it by default.
-const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
-    sigmas: THRESHOLD_SIGMAS as f32,
-    floor: THRESHOLD_FLOOR as f32,
-};
-
-/// One line of the output before levels are known.
+/// A contact of a row before levels are known.
 #[derive(Clone, Copy)]
-struct Row {
-    time_us: u64,
-    frame: u32,
-    contact: Contact,
+pub struct Row {
+    /// Time of the row, us.
+    pub time_us: u64,
+    /// Number of the row.
+    pub frame: u32,
+    /// The contact.
+    pub contact: Contact,
+}
+
+impl Row {
+    /// The contact as records have it.
+    pub fn recorded(&self, level: u16) -> event::Contact {
+        event::Contact {
+            t_us: self.time_us,
+            frame: self.frame,
+            module: self.contact.module,
+            contact: self.contact.id,
+            place: PlaceUm::from(self.contact.place),
+            intensity_milli: (f64::from(self.contact.intensity) * 1e3).round() as u32,
+            level,
+            members: self.contact.members,
+        }
+    }
 }
 
 /// Most contacts that are held, 40 bytes each; where there are more, the recording is read again for the output.
@@ -126,16 +136,7 @@ fn write_csv(
 ) -> io::Result<()> {
     contacts_csv::write_header(&[], &mut *out)?;
     found.each(&mut |row| {
-        let contact = event::Contact {
-            t_us: row.time_us,
-            frame: row.frame,
-            module: row.contact.module,
-            contact: row.contact.id,
-            place: PlaceUm::from(row.contact.place),
-            intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
-            level: level(&row.contact),
-            members: row.contact.members,
-        };
+        let contact = row.recorded(level(&row.contact));
         contacts_csv::write_rows([&contact], &[], &mut *out)
     })
 }
@@ -226,16 +227,9 @@ impl<'a> Recording<'a> {
                 baseline: BaselineSettings {
                     reference_frames: args.reference_frames,
                     fault_sigmas: args.faulty_deviations.map(|k| k as f32),
-                    threshold: match args.threshold {
-                        Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
-                        Threshold::PerTaxel => PER_TAXEL,
-                        Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
-                    },
+                    threshold: args.threshold.rule(),
                     axes: args.axes,
-                    drift: args
-                        .drift_s
-                        .or((args.threshold == Threshold::PerTaxel).then_some(DRIFT_S))
-                        .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
+                    drift: args.threshold.drift(args.drift_s),
                 },
                 compression: Settings {
                     clusters: args.kc,

@@ -16,10 +16,9 @@ use palpate_run::{Failure, plan};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::design_response;
 use crate::cli::{Color, DesignArgs, Numbers};
 use crate::sweep::page;
-use palpate_live::output::{DESIGNS, Outputs, print, print_json};
+use palpate_live::output::{DESIGNS, Outputs, list_written};
 use palpate_live::progress::Progress;
 
 /// Most points: an hour of two cores.
@@ -43,16 +42,9 @@ type Computed = (DesignPoint, DesignOutcome, bool);
 /// # Errors
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
-    if let Some(bench) = &args.response {
-        return design_response::response(args, bench, color);
-    }
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.out {
-        outputs.check_csv(path, DESIGNS)?;
-    }
-    if let Some(path) = &args.html {
-        outputs.check(path, Format::Html)?;
-    }
+    outputs.check_csv(args.out.as_deref(), DESIGNS)?;
+    outputs.check_some(args.html.as_deref(), Format::Html)?;
     let person = load_person(&args.person)?.value;
     let points = points(args)?;
     let progress = Progress::counted("designs", points.len() as u64, "points");
@@ -81,16 +73,14 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
         .zip(best)
         .map(|((point, outcome), best)| (point, outcome, best))
         .collect();
-    if let Some(path) = &args.out {
-        let text = rows(&computed);
-        outputs.write(path, Format::Csv, |out| out.write_all(text.as_bytes()))?;
-    }
+    outputs.write_some(args.out.as_deref(), Format::Csv, || {
+        table(computed.iter().map(fields))
+    })?;
     // The most strongly felt first; those that none beats before all others of their level.
     computed.sort_by(|a, b| b.1.levels.db().total_cmp(&a.1.levels.db()));
-    if let Some(path) = &args.html {
-        let text = html(&computed, &person.name);
-        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-    }
+    outputs.write_some(args.html.as_deref(), Format::Html, || {
+        html(&computed, &person.name)
+    })?;
     tell(args, &computed, &person.name, color)
 }
 
@@ -171,10 +161,14 @@ fn drive(point: &DesignPoint, outcome: &DesignOutcome) -> String {
     )
 }
 
+/// Value of a column, to a thousandth.
+pub(super) fn thousandth(value: f64) -> Value {
+    Value::from((value * 1e3).round() / 1e3)
+}
+
 /// A point as columns of the file and keys of the JSON.
 fn fields((point, of, best): &Computed) -> [(&'static str, Value); 19] {
     let (w, p) = (&point.wire, &point.pattern);
-    let thousandth = |v: f64| Value::from((v * 1e3).round() / 1e3);
     [
         ("wire", point.names[0].as_str().into()),
         ("alloy", point.names[1].as_str().into()),
@@ -198,11 +192,15 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 19] {
     ]
 }
 
-/// The points as a table of text.
-fn rows(computed: &[Computed]) -> String {
-    let rows = computed.iter().map(fields);
-    let head = rows.clone().take(1).map(|fields| fields.map(|f| f.0));
-    as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1)))
+/// Columns of points as a table of text.
+pub(super) fn table<const N: usize>(
+    rows: impl Iterator<Item = [(&'static str, Value); N]> + Clone,
+) -> String {
+    let head = rows
+        .clone()
+        .take(1)
+        .map(|fields| fields.map(|f| f.0).to_vec());
+    as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1).to_vec()))
 }
 
 fn tell(
@@ -211,19 +209,13 @@ fn tell(
     person: &str,
     color: Color,
 ) -> Result<(), Failure> {
-    if args.voice.quiet {
-        return Ok(());
-    }
-    if args.voice.json {
-        let all: Vec<Value> = computed
-            .iter()
-            .map(|c| Value::from_iter(fields(c)))
-            .collect();
-        return print_json(&all);
-    }
+    let all = || -> Vec<Value> {
+        let each = computed.iter().map(|c| Value::from_iter(fields(c)));
+        each.collect()
+    };
     let allowed = computed.iter().filter(|c| c.1.excluded.is_none()).count();
     let best: Vec<&Computed> = computed.iter().filter(|c| c.2).collect();
-    print(|out| {
+    args.voice.tell(all, |out| {
         Conclusion::default().write(out, color.on(&io::stdout()))?;
         writeln!(
             out,
@@ -246,10 +238,7 @@ fn tell(
                 best.len() - SHOWN
             )?;
         }
-        let written = args.out.iter().chain(&args.html);
-        written
-            .into_iter()
-            .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
+        list_written(args.out.iter().chain(&args.html), out)
     })
 }
 
@@ -323,6 +312,22 @@ fn html(computed: &[Computed], person: &str) -> String {
     out + &page::foot()
 }
 
+/// A drawing's frame with its axes.
+pub(super) fn axes(title: &str, [x, y]: [Scale; 2], labels: [&str; 2]) -> (Plot, Svg) {
+    let plot = Plot {
+        left: 52.0,
+        top: 30.0,
+        width: 386.0,
+        height: 230.0,
+        x,
+        y,
+    };
+    let mut svg = Svg::new(460.0, 306.0, title);
+    plot.x_axis(&mut svg, labels[0]);
+    plot.y_axis(&mut svg, labels[1]);
+    (plot, svg)
+}
+
 fn chart(computed: &[Computed], currents: &[f64]) -> String {
     let allowed = || computed.iter().filter(|c| c.1.excluded.is_none());
     let at = |c: &Computed| (c.1.skin_c[1], c.1.levels.db().max(-30.0));
@@ -334,17 +339,12 @@ fn chart(computed: &[Computed], currents: &[f64]) -> String {
         )
     };
     let (x, y) = (ends(|p| p.0), ends(|p| p.1));
-    let plot = Plot {
-        left: 52.0,
-        top: 30.0,
-        width: 386.0,
-        height: 230.0,
-        x: Scale::round(x.0, x.1),
-        y: Scale::round(y.0.min(0.0), y.1),
-    };
-    let mut svg = Svg::new(460.0, 306.0, "Felt level over tissue temperature");
-    plot.x_axis(&mut svg, "tissue at 0.1 mm, worst corner [\u{b0}C]");
-    plot.y_axis(&mut svg, "felt level over threshold [dB]");
+    let scales = [Scale::round(x.0, x.1), Scale::round(y.0.min(0.0), y.1)];
+    let labels = [
+        "tissue at 0.1 mm, worst corner [\u{b0}C]",
+        "felt level over threshold [dB]",
+    ];
+    let (plot, mut svg) = axes("Felt level over tissue temperature", scales, labels);
     // From the coolest on, whatever is felt more strongly than all before.
     let mut cooler: Vec<(f64, f64)> = allowed().map(at).collect();
     cooler.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));

@@ -5,17 +5,17 @@ use std::io;
 use palpate_files::{Format, Setup, load_bench, load_person, load_scene};
 use palpate_records::report::page::wide;
 use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{self, Plot, Svg, dot, escape, line_key};
-use palpate_records::table::as_csv;
+use palpate_records::report::svg::{self, dot, escape, line_key};
 use palpate_records::verdict::Conclusion;
 use palpate_run::Failure;
 use palpate_run::frequency::{RESPONSE_W, ResponsePoint, frequencies, frequency_response};
 use rayon::prelude::*;
 use serde_json::Value;
 
+use super::design::{axes, table, thousandth};
 use crate::cli::{Color, DesignArgs};
 use crate::sweep::page;
-use palpate_live::output::{Outputs, RESPONSES, print, print_json};
+use palpate_live::output::{Outputs, RESPONSES, list_written};
 use palpate_live::progress::Progress;
 
 /// Ends of the frequencies, Hz, and their number.
@@ -36,12 +36,8 @@ struct Response {
 /// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
 pub fn response(args: &DesignArgs, bench: &str, color: Color) -> Result<(), Failure> {
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.out {
-        outputs.check_csv(path, RESPONSES)?;
-    }
-    if let Some(path) = &args.html {
-        outputs.check(path, Format::Html)?;
-    }
+    outputs.check_csv(args.out.as_deref(), RESPONSES)?;
+    outputs.check_some(args.html.as_deref(), Format::Html)?;
     let mut setup = Setup::join(load_scene("idle")?, load_bench(bench)?)?;
     setup.person = load_person(&args.person)?;
     let all = frequencies(FROM_TO_HZ.0, FROM_TO_HZ.1, COUNT);
@@ -61,20 +57,15 @@ pub fn response(args: &DesignArgs, bench: &str, color: Color) -> Result<(), Fail
         ],
         points: points.into_iter().flatten().collect(),
     };
-    if let Some(path) = &args.out {
-        let text = response.rows();
-        outputs.write(path, Format::Csv, |out| out.write_all(text.as_bytes()))?;
-    }
-    if let Some(path) = &args.html {
-        let text = response.html();
-        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-    }
+    outputs.write_some(args.out.as_deref(), Format::Csv, || {
+        table(response.points.iter().map(fields))
+    })?;
+    outputs.write_some(args.html.as_deref(), Format::Html, || response.html())?;
     response.tell(args, color)
 }
 
 /// A point as columns of the file and keys of the JSON.
 fn fields(of: &ResponsePoint) -> [(&'static str, Value); 9] {
-    let thousandth = |v: f64| Value::from((v * 1e3).round() / 1e3);
     [
         ("hz", thousandth(of.hz)),
         ("width_us", thousandth(of.width_s * 1e6)),
@@ -89,13 +80,6 @@ fn fields(of: &ResponsePoint) -> [(&'static str, Value); 9] {
 }
 
 impl Response {
-    /// The points as a table of text.
-    fn rows(&self) -> String {
-        let rows = self.points.iter().map(fields);
-        let head = rows.clone().take(1).map(|fields| fields.map(|f| f.0));
-        as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1)))
-    }
-
     /// Least and most displacement or threshold, um, over four decades at most.
     fn ends(&self) -> (f64, f64) {
         let all = || {
@@ -117,20 +101,13 @@ impl Response {
     }
 
     fn tell(&self, args: &DesignArgs, color: Color) -> Result<(), Failure> {
-        if args.voice.quiet {
-            return Ok(());
-        }
-        if args.voice.json {
-            let all: Vec<Value> = self
-                .points
-                .iter()
-                .map(|p| Value::from_iter(fields(p)))
-                .collect();
-            return print_json(&all);
-        }
+        let all = || -> Vec<Value> {
+            let each = self.points.iter().map(|p| Value::from_iter(fields(p)));
+            each.collect()
+        };
         let [bench, wire, person] = &self.names;
         let (low, high) = self.ends();
-        print(|out| {
+        args.voice.tell(all, |out| {
             Conclusion::default().write(out, color.on(&io::stdout()))?;
             writeln!(
                 out,
@@ -148,10 +125,7 @@ impl Response {
                 out,
                 "\nskin: from end to end; part (=): amplitude at that frequency; |: `{person}` feels a sine"
             )?;
-            let written = args.out.iter().chain(&args.html);
-            written
-                .into_iter()
-                .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
+            list_written(args.out.iter().chain(&args.html), out)
         })
     }
 
@@ -200,17 +174,15 @@ impl Response {
 
     fn chart(&self) -> String {
         let (low, high) = self.ends();
-        let plot = Plot {
-            left: 52.0,
-            top: 30.0,
-            width: 386.0,
-            height: 230.0,
-            x: Scale::logarithmic(FROM_TO_HZ.0, FROM_TO_HZ.1),
-            y: Scale::logarithmic(low / 1.3, high * 1.3),
-        };
-        let mut svg = Svg::new(460.0, 306.0, "Displacement of the skin over frequency");
-        plot.x_axis(&mut svg, "pulses per second [Hz]");
-        plot.y_axis(&mut svg, "displacement of the skin [\u{b5}m]");
+        let scales = [
+            Scale::logarithmic(FROM_TO_HZ.0, FROM_TO_HZ.1),
+            Scale::logarithmic(low / 1.3, high * 1.3),
+        ];
+        let labels = [
+            "pulses per second [Hz]",
+            "displacement of the skin [\u{b5}m]",
+        ];
+        let (plot, mut svg) = axes("Displacement of the skin over frequency", scales, labels);
         let path = |of: fn(&ResponsePoint) -> f64| {
             let mut path = String::new();
             for p in &self.points {

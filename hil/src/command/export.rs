@@ -62,7 +62,7 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     let paths = paths(&args.out, sensor.modules.len());
     let outputs = Outputs::new(args.force);
     for path in &paths {
-        outputs.check_csv(path, "time_us,txl1_")?;
+        outputs.check_csv(Some(path), "time_us,txl1_")?;
     }
     let shown = Progress::of_part("emulating the skin");
     let tables = taxels(&setup, args.seed, |part| shown.part(part))?;

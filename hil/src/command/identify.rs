@@ -10,7 +10,7 @@ use palpate_run::{Failure, plan};
 use serde_json::json;
 
 use crate::cli::{IdentifyArgs, SignalArg};
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::Outputs;
 use palpate_live::progress::Progress;
 
 /// Temperature of skin and wire before the first pulse, degrees C.
@@ -26,9 +26,7 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         SignalArg::Resistance => (Signal::Resistance, "resistance_ohm", "Ohm"),
     };
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.out {
-        outputs.check(path, Format::Toml)?;
-    }
+    outputs.check_some(args.out.as_deref(), Format::Toml)?;
     let samples = read(args, column)?;
     let shown = Progress::endless("fitting the model");
     let found = find(&subject(args)?, signal, &samples).map_err(|expected| {
@@ -40,17 +38,9 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         ))
     })?;
     drop(shown);
-    if let Some(path) = &args.out {
-        let text = evidence(&found, args);
-        outputs.write(path, Format::Toml, |out| out.write_all(text.as_bytes()))?;
-    }
-    if args.voice.quiet {
-        return Ok(());
-    }
-    if args.voice.json {
-        return print_json(&object(&found, unit));
-    }
-    print(|out| {
+    outputs.write_some(args.out.as_deref(), Format::Toml, || evidence(&found, args))?;
+    let object = || object(&found, unit);
+    args.voice.tell(object, |out| {
         writeln!(
             out,
             "{:26} {:>12} {:>12}  {:>10}",

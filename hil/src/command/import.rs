@@ -7,10 +7,10 @@ use palpate_files::{
     FileKind, Loaded, Proposal, REFERENCE_ROWS, Recipe, RecipePlan, Rows, SensorLayout, Source,
     Take, Timing, is_stream, plan_of, propose, said,
 };
-use palpate_live::output::{note, print, write_file};
+use palpate_live::output::{note, print, write_text};
 use palpate_run::Failure;
 
-use super::new::write_schema;
+use super::new::{expect_new, write_schema};
 use super::rate::rate_of;
 use super::skin_picture::{Picture, strip};
 use crate::cli::ImportArgs;
@@ -39,8 +39,9 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
         topic: args.topic.clone(),
         ..Timing::default()
     };
-    if let Some(out) = &args.out {
-        refuse(out, args.force)?;
+    // Before anything is read.
+    if let Some(out) = args.out.as_ref().filter(|out| !is_stream(out)) {
+        expect_new(out, args.force)?;
     }
     let layout =
         args.layout
@@ -68,7 +69,7 @@ pub fn import(args: &ImportArgs) -> Result<(), Failure> {
     match &args.out {
         Some(path) => {
             write_schema(path, FileKind::Recording)?;
-            write_file(path, |out| out.write_all(proposal.text.as_bytes()))?;
+            write_text(path, &proposal.text)?;
             note(&format!(
                 "wrote {}; `hil contacts {0}` reads the recording by it",
                 path.display()
@@ -103,17 +104,6 @@ fn whole(path: &Path) -> Result<String, Failure> {
     let there = std::fs::canonicalize(path);
     let there = there.map_err(|e| Failure::Input(format!("{}: {}", path.display(), said(&e))))?;
     Ok(there.display().to_string())
-}
-
-/// Refuses, before anything is read, a file that is there.
-fn refuse(out: &Path, force: bool) -> Result<(), Failure> {
-    match out.exists() && !force && !is_stream(out) {
-        false => Ok(()),
-        true => Err(Failure::Input(format!(
-            "{}: expected a file that is not there yet; --force overwrites it",
-            out.display()
-        ))),
-    }
 }
 
 /// Figures of a whole recording.

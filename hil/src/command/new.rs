@@ -15,7 +15,7 @@ use crate::cli::{
     LayoutKind, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire,
     positive, whole,
 };
-use palpate_live::output::{make_folder, print, write_file};
+use palpate_live::output::{make_folder, print, write_text};
 
 const SCENE: &str = include_str!("new/scene.toml");
 const TOUCH: &str = include_str!("new/touch.toml");
@@ -42,7 +42,7 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
     let path = path(file);
     write_schema(&path, kind)?;
     let text = format!("#:schema {SCHEMAS}/{}.json\n{body}", kind.name());
-    write_file(&path, |out| out.write_all(text.as_bytes()))?;
+    write_text(&path, &text)?;
     let next = match kind {
         FileKind::Scene => format!("hil run {}", path.display()),
         FileKind::Bench => format!("hil run --bench {}", path.display()),
@@ -60,8 +60,7 @@ pub fn write_schema(beside: &Path, kind: FileKind) -> Result<(), Failure> {
     let folder = beside.with_file_name(SCHEMAS);
     make_folder(&folder)?;
     let text = palpate_fixtures::schema(kind.name()).unwrap_or_default();
-    let path = folder.join(format!("{}.json", kind.name()));
-    write_file(&path, |out| out.write_all(text.as_bytes()))
+    write_text(&folder.join(format!("{}.json", kind.name())), text)
 }
 
 fn path(file: &NewFile) -> PathBuf {
@@ -82,14 +81,21 @@ fn refuse(file: &NewFile) -> Result<(), Failure> {
             file.name
         )));
     }
-    let path = path(file);
-    if path.exists() && !file.force {
-        return Err(Failure::Input(format!(
+    expect_new(&path(file), file.force)
+}
+
+/// Refuses a file that is there.
+///
+/// # Errors
+/// [`Failure::Input`] for it, unless with `force`.
+pub fn expect_new(path: &Path, force: bool) -> Result<(), Failure> {
+    match path.exists() && !force {
+        false => Ok(()),
+        true => Err(Failure::Input(format!(
             "{}: expected a file that is not there yet; --force overwrites it",
             path.display()
-        )));
+        ))),
     }
-    Ok(())
 }
 
 /// A value from the command line, else from a person at a terminal, else the default.

@@ -6,7 +6,6 @@ use palpate_core::guard::Used;
 use palpate_core::schedule::{Entry, Reason};
 use palpate_files::{BenchKind, Setup};
 use palpate_live::host;
-use palpate_live::output::{print, print_json};
 use palpate_live::real::refuse_stopped;
 use palpate_live::views::Wanted;
 use palpate_records::trace::event::AllOff;
@@ -47,15 +46,12 @@ pub fn pulse(args: &PulseArgs) -> Result<(), Failure> {
     let outcome = run(&setup)?;
     let sent = Sent::new(&outcome);
     let lines = told(&plan, &judged, &sent, &outcome);
-    if args.voice.json {
-        print_json(&object(&plan, &judged, &sent, &outcome, &lines.join(". ")))?;
-    } else if !args.voice.quiet {
-        print(|out| {
-            lines
-                .iter()
-                .try_for_each(|line| writeln!(out, "{}", wrapped(line, COLUMNS)))
-        })?;
-    }
+    let object = || object(&plan, &judged, &sent, &outcome, &lines.join(". "));
+    args.voice.tell(object, |out| {
+        lines
+            .iter()
+            .try_for_each(|line| writeln!(out, "{}", wrapped(line, COLUMNS)))
+    })?;
     concluded(outcome, &sent)
 }
 

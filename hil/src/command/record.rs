@@ -6,7 +6,7 @@ use palpate_core::units::Duration;
 use palpate_files::{Format, USUAL_BITRATE, load_skin};
 
 use crate::cli::{RecordArgs, ReplayArgs};
-use palpate_live::output::{Outputs, note, print, print_json};
+use palpate_live::output::{Outputs, list_written, note};
 use palpate_live::record;
 use palpate_live::recording::read_can_recording;
 use palpate_run::Failure;
@@ -35,28 +35,25 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
         note(&format!("recording {}; Ctrl-C stops", args.can.join(", ")));
     }
     let recorded = record::record(&args.can, &files, length, outputs)?;
-    if args.voice.json {
-        return print_json(&recorded);
+    if !(args.voice.json || args.voice.quiet) {
+        recorded.notes.iter().for_each(|text| note(text));
     }
-    if args.voice.quiet {
-        return Ok(());
-    }
-    recorded.notes.iter().for_each(|text| note(text));
-    print(|out| {
-        writeln!(
-            out,
-            "{} frames in {:.3} s (real), {} not recorded",
-            recorded.frames,
-            recorded.length_ms as f64 * 1e-3,
-            recorded.frames_not_recorded
-        )?;
-        for can in &recorded.can {
-            writeln!(out, "  {:<16}{}", can.interface, can.words())?;
-        }
-        files
-            .iter()
-            .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
-    })
+    args.voice.tell(
+        || &recorded,
+        |out| {
+            writeln!(
+                out,
+                "{} frames in {:.3} s (real), {} not recorded",
+                recorded.frames,
+                recorded.length_ms as f64 * 1e-3,
+                recorded.frames_not_recorded
+            )?;
+            for can in &recorded.can {
+                writeln!(out, "  {:<16}{}", can.interface, can.words())?;
+            }
+            list_written(files.iter().map(|(_, path)| path), out)
+        },
+    )
 }
 
 /// Plays a recording onto interfaces.
@@ -69,22 +66,19 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let recording = read_can_recording(&args.file, (args.can.len(), bitrate), args.split_jumps)?;
     recording.notes.iter().for_each(|text| note(text));
     let played = record::play(&recording, &args.can)?;
-    if args.voice.json {
-        return print_json(&played);
-    }
-    if args.voice.quiet {
-        return Ok(());
-    }
-    print(|out| {
-        writeln!(
-            out,
-            "{} frames sent in {:.3} s, {} lost, {} left; late by {} us median, {} us at most",
-            played.sent,
-            played.length_ms as f64 * 1e-3,
-            played.lost,
-            played.left,
-            played.late_median_us,
-            played.late_worst_us
-        )
-    })
+    args.voice.tell(
+        || &played,
+        |out| {
+            writeln!(
+                out,
+                "{} frames sent in {:.3} s, {} lost, {} left; late by {} us median, {} us at most",
+                played.sent,
+                played.length_ms as f64 * 1e-3,
+                played.lost,
+                played.left,
+                played.late_median_us,
+                played.late_worst_us
+            )
+        },
+    )
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use palpate_files::{Format, did_you_mean};
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::{Outputs, print};
 use palpate_live::progress::Progress;
 use palpate_records::report::page::{foot, head, wide};
 use palpate_records::report::svg::escape;
@@ -24,9 +24,7 @@ use crate::reproduce::{Answer, Mark, Row, rows};
 pub fn reproduce(args: &ReproduceArgs) -> Result<(), Failure> {
     let chosen = chosen(&args.rows)?;
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.html {
-        outputs.check(path, Format::Html)?;
-    }
+    outputs.check_some(args.html.as_deref(), Format::Html)?;
     let progress = Progress::counted("thesis", chosen.len() as u64, "rows");
     let speaks = !(args.voice.quiet || args.voice.json);
     let mut done = Vec::new();
@@ -39,17 +37,11 @@ pub fn reproduce(args: &ReproduceArgs) -> Result<(), Failure> {
         done.push((row, answer));
     }
     drop(progress);
-    if let Some(path) = &args.html {
-        let text = page(&done);
-        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-    }
-    if args.voice.json {
-        return print_json(&done.iter().map(as_json).collect::<Vec<_>>());
-    }
-    match speaks {
-        true => print(|out| writeln!(out, "{}", wrapped(&count(&done), COLUMNS))),
-        false => Ok(()),
-    }
+    outputs.write_some(args.html.as_deref(), Format::Html, || page(&done))?;
+    let all = || done.iter().map(as_json).collect::<Vec<_>>();
+    args.voice.tell(all, |out| {
+        writeln!(out, "{}", wrapped(&count(&done), COLUMNS))
+    })
 }
 
 /// The rows of these names. A name that is no row's stands for all rows that begin with it.

@@ -41,9 +41,8 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
             let all = scenes(waiting)?;
             drop(shown);
             if let Some(path) = &args.html {
-                let text = page(&all);
                 let outputs = Outputs::new(args.force);
-                outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
+                outputs.write_some(Some(path), Format::Html, || page(&all))?;
                 return print(|out| {
                     writeln!(out, "wrote {}: {}", path.display(), count(all.len()))
                 });
@@ -137,7 +136,7 @@ fn ask(all: &[Scene], coloured: bool) -> Result<(), Failure> {
             }
             print(|out| {
                 let keys = "accept (a, or a WHY), reject (r), skip (s), all charts (c), quit (q)? ";
-                out.write_all(keys.as_bytes())
+                write!(out, "{keys}")
             })?;
             let answer = match answers.next() {
                 Some(Ok(line)) => Answer::parse(&line),

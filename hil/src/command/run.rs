@@ -11,7 +11,7 @@ use palpate_files::{
     DRIFT_S, Format, Loaded, Overrides, REFERENCE_ROWS, Scene, Setup, THRESHOLD_FLOOR, Timing,
     format_of, load_scene,
 };
-use palpate_live::output::{make_folder, note, print, print_json, write_file};
+use palpate_live::output::{make_folder, note, print, write_text};
 use palpate_live::recording::{Reading, ReadingStream, Recorded, read_joints, recorded};
 use palpate_live::serve::Foxglove;
 use palpate_live::views::Wanted;
@@ -294,7 +294,7 @@ fn write(
         _ => None,
     };
     let text = junit(&[(setup.bench.value.name.clone(), vec![trial])]);
-    write_file(path, |out| out.write_all(text.as_bytes()))?;
+    write_text(path, &text)?;
     Ok(failed)
 }
 
@@ -313,16 +313,15 @@ fn tell(
     written: &[PathBuf],
     color: Color,
 ) -> Result<(), Failure> {
-    if args.voice.json {
-        print_json(&outcome.summary)
-    } else if args.voice.quiet {
-        Ok(())
-    } else {
-        let written = written.iter().map(|path| path.display().to_string());
-        let written: Vec<String> = written.collect();
-        let how = (args.long, color.on(&io::stdout()));
-        print(|out| outcome.summary.write(out, how, &written))
-    }
+    args.voice.tell(
+        || &outcome.summary,
+        |out| {
+            let written = written.iter().map(|path| path.display().to_string());
+            let written: Vec<String> = written.collect();
+            let how = (args.long, color.on(&io::stdout()));
+            outcome.summary.write(out, how, &written)
+        },
+    )
 }
 
 /// Prints an explanation: on standard output, or beside the object or silence that is asked for there.

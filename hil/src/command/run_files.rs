@@ -15,7 +15,7 @@ use palpate_run::{Failure, Outcome, attachments};
 
 use super::report::{hand, report};
 use crate::cli::RunArgs;
-use palpate_live::output::{Outputs, check_folder, write_file, write_sidecar};
+use palpate_live::output::{Outputs, check_folder, write_file, write_sidecar, write_text};
 use palpate_live::record::path_of;
 use palpate_live::recording::write_can_log;
 
@@ -78,8 +78,7 @@ pub(super) fn write(
     let mut paths = paths(format, path, setup);
     if format == Format::Html {
         let whole = paths.remove(0);
-        let page = hand(setup, outcome, &paths);
-        write_file(&whole, |out| out.write_all(page.as_bytes()))?;
+        write_text(&whole, &hand(setup, outcome, &paths))?;
     }
     let mut each = paths.iter().zip(&outcome.displays);
     each.try_for_each(|(path, display)| write_one(format, path, setup, &display.outcome))
@@ -165,8 +164,6 @@ pub(super) fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathB
             )));
         }
     }
-    if let Some(path) = &args.junit {
-        outputs.check(path, Format::Junit)?;
-    }
+    outputs.check_some(args.junit.as_deref(), Format::Junit)?;
     Ok(files)
 }

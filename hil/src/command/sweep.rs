@@ -17,7 +17,7 @@ use super::devices::bench;
 use crate::cli::ranges::add;
 use crate::cli::{Color, SweepArgs};
 use crate::sweep::{Growing, Work, page};
-use palpate_live::output::{Outputs, print, print_json};
+use palpate_live::output::{Outputs, list_written};
 use palpate_live::progress::Progress;
 
 /// Most runs that share what is read for a combination of values.
@@ -36,17 +36,13 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
     let grid = Grid::new(axes, args.seeds.0.clone())?;
     let outputs = Outputs::new(args.force);
     Growing::check(&args.out, outputs)?;
-    if let Some(path) = &args.html {
-        outputs.check(path, Format::Html)?;
-    }
+    outputs.check_some(args.html.as_deref(), Format::Html)?;
     let scene = load_scene(&args.scene)?;
     let named = args.bench.as_deref();
     let named = bench(Some(named.unwrap_or(scene.value.own_bench())), &[], &[])?;
     let base = Setup::join(scene, named)?;
-    let cores = || std::thread::available_parallelism().map_or(1, Into::into);
-    let jobs = args.jobs.unwrap_or_else(cores);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
+    let pool = pool(args.jobs)?;
+    let jobs = pool.current_num_threads();
     let mut work = pool.install(|| Work::read(&base, grid, args.part))?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let table = work.open(&args.out, outputs)?;
@@ -57,6 +53,17 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
     work.take(fresh);
     work.finish(table)?;
     tell(&work, args, color, caught)
+}
+
+/// Threads for `--jobs`, as many as there are cores where it is not given.
+///
+/// # Errors
+/// [`Failure::Device`] where the system has no such number of threads.
+pub(super) fn pool(jobs: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
+    let cores = || std::thread::available_parallelism().map_or(1, Into::into);
+    let jobs = jobs.unwrap_or_else(cores);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))
 }
 
 /// `KEY=VALUE,FROM..TO:STEP`; commas between brackets or quotes belong to a value.
@@ -99,7 +106,7 @@ fn axis(text: &str) -> Result<Axis, Failure> {
 }
 
 /// Ends a run when a signal came.
-struct Stopping<'a>(&'a Signals);
+pub(super) struct Stopping<'a>(pub &'a Signals);
 
 impl Host for Stopping<'_> {
     fn passed(&mut self, _part: f64) -> bool {
@@ -176,53 +183,46 @@ fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Re
     let wanted = work.wanted_count();
     let rows = work.there();
     let conclusion = conclusion(&rows, wanted, caught);
-    if let Some(path) = &args.html {
-        let text = page(&conclusion, &rows);
-        let outputs = Outputs::new(args.force);
-        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-    }
+    let outputs = Outputs::new(args.force);
+    outputs.write_some(args.html.as_deref(), Format::Html, || {
+        page(&conclusion, &rows)
+    })?;
     let names = work.names();
-    if args.voice.json {
-        #[derive(Serialize)]
-        struct All<'a> {
-            #[serde(flatten)]
-            conclusion: &'a Conclusion,
-            scene: Option<&'a str>,
-            bench: Option<&'a str>,
-            rows: usize,
-            wanted: usize,
-            there_before: usize,
-            table: String,
-        }
-        let all = All {
-            conclusion: &conclusion,
-            scene: names.map(|names| names.0),
-            bench: names.map(|names| names.1),
-            rows: rows.len(),
-            wanted,
-            there_before: work.before(),
-            table: args.out.display().to_string(),
-        };
-        print_json(&all)?;
-    } else if !args.voice.quiet {
-        print(|out| {
-            conclusion.write(out, color.on(&io::stdout()))?;
-            let before = match work.before() {
-                0 => String::new(),
-                n => format!(", {n} of them in the table before"),
-            };
-            let (scene, bench) = names.unwrap_or_default();
-            writeln!(
-                out,
-                "{scene} on {bench} (emulated): {}{before}; least to most, and where",
-                runs(rows.len())
-            )?;
-            spread(&rows, out)?;
-            let html = args.html.iter();
-            html.chain([&args.out])
-                .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
-        })?;
+    #[derive(Serialize)]
+    struct All<'a> {
+        #[serde(flatten)]
+        conclusion: &'a Conclusion,
+        scene: Option<&'a str>,
+        bench: Option<&'a str>,
+        rows: usize,
+        wanted: usize,
+        there_before: usize,
+        table: String,
     }
+    let all = || All {
+        conclusion: &conclusion,
+        scene: names.map(|names| names.0),
+        bench: names.map(|names| names.1),
+        rows: rows.len(),
+        wanted,
+        there_before: work.before(),
+        table: args.out.display().to_string(),
+    };
+    args.voice.tell(all, |out| {
+        conclusion.write(out, color.on(&io::stdout()))?;
+        let before = match work.before() {
+            0 => String::new(),
+            n => format!(", {n} of them in the table before"),
+        };
+        let (scene, bench) = names.unwrap_or_default();
+        writeln!(
+            out,
+            "{scene} on {bench} (emulated): {}{before}; least to most, and where",
+            runs(rows.len())
+        )?;
+        spread(&rows, out)?;
+        list_written(args.html.iter().chain([&args.out]), out)
+    })?;
     match conclusion.verdict {
         _ if caught.is_some() => Err(Failure::Stopped(conclusion.line())),
         verdict if verdict.is_done() => Ok(()),

@@ -213,14 +213,10 @@ impl Trials<'_> {
         if verdict == Verdict::Incomplete {
             counts += "; nothing was tested";
         }
-        if let Some(path) = &self.args.junit {
-            let text = junit(suites);
-            outputs(self.args).write(path, Format::Junit, |out| out.write_all(text.as_bytes()))?;
-        }
-        if let Some(path) = &self.args.html {
-            let text = page(verdict, &counts, suites);
-            outputs(self.args).write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-        }
+        let outputs = outputs(self.args);
+        outputs.write_some(self.args.junit.as_deref(), Format::Junit, || junit(suites))?;
+        let html = self.args.html.as_deref();
+        outputs.write_some(html, Format::Html, || page(verdict, &counts, suites))?;
         if self.args.voice.json {
             json(verdict, self.source, suites)?;
         } else if self.told {

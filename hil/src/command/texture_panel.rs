@@ -36,9 +36,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     }
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
     let outputs = Outputs::new(args.force);
-    if let Some(path) = &args.svg {
-        outputs.check(path, Format::Svg)?;
-    }
+    outputs.check_some(args.svg.as_deref(), Format::Svg)?;
     let shown = Progress::of_part("panel");
     let (title, study, bare) = match (&args.recordings, args.rate) {
         (Some(folder), Some(rate_hz)) => {
@@ -62,10 +60,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         }
     };
     drop(shown);
-    if let Some(path) = &args.svg {
-        let drawn = draw(&study, &title);
-        outputs.write(path, Format::Svg, |out| out.write_all(drawn.as_bytes()))?;
-    }
+    outputs.write_some(args.svg.as_deref(), Format::Svg, || draw(&study, &title))?;
     if args.json {
         return print_json(&as_json(args, &study, bare.as_ref()));
     }

@@ -1,6 +1,5 @@
 //! `hil texture rebuild`: strokes through a model's bottleneck and back.
 
-use palpate_emulators::sensor::surface::Recording;
 use palpate_files::{TextureDecoder, TextureModel, load_textures};
 use palpate_live::output::{print, print_json};
 use palpate_live::progress::Progress;
@@ -10,9 +9,6 @@ use palpate_texture::rebuild::{Part, Rebuilder, Rebuilt};
 use serde_json::json;
 
 use crate::cli::RebuildArgs;
-
-/// Rows between windows that are rebuilt. A test takes every window, as in training.
-const HOP: usize = 10;
 
 /// Rebuilds strokes, and prints the error of each part of the training.
 ///
@@ -31,11 +27,7 @@ pub fn rebuild(args: &RebuildArgs) -> Result<(), Failure> {
     let mut found: Vec<(Part, Rebuilt)> = Vec::new();
     for (done, part) in Part::ALL.into_iter().enumerate() {
         shown.part(done as f64 / Part::ALL.len() as f64);
-        let own = strokes.iter();
-        let own = own.filter(|(entry, stroke)| Part::named_in(&split, entry, stroke) == part);
-        let own: Vec<&Recording> = own.map(|(_, stroke)| stroke).collect();
-        let hop = if part == Part::Test { 1 } else { HOP };
-        let rebuilt = rebuilder.strokes(&own, hop)?;
+        let rebuilt = rebuilder.part(&strokes, &split, part)?;
         found.extend((rebuilt.windows > 0).then_some((part, rebuilt)));
     }
     drop(shown);

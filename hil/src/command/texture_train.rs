@@ -44,13 +44,13 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     for (entry, recording) in &all {
         let name = format!("{}_{:02}.csv", entry.name, recording.number);
         let path = args.out.join(&name);
-        outputs.check_csv(&path, "txl1_x,")?;
+        outputs.check_csv(Some(&path), "txl1_x,")?;
         outputs.write(&path, Format::Csv, |out| {
             explore::write_rows(recording, out)
         })?;
         if args.accelerometer {
             let path = shaken.join(&name);
-            outputs.check_csv(&path, "x_mg,")?;
+            outputs.check_csv(Some(&path), "x_mg,")?;
             outputs.write(&path, Format::Csv, |out| {
                 explore::write_acceleration(recording, out)
             })?;
@@ -119,13 +119,11 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     drop(shown);
     let view = map::View::new(&model);
     let placed = map::place(&encoded, &model, view);
-    if let Some(path) = &args.svg {
+    let outputs = Outputs::new(args.force);
+    outputs.write_some(args.svg.as_deref(), Format::Svg, || {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
-        let outputs = Outputs::new(args.force);
-        outputs.write(path, Format::Svg, |out| {
-            out.write_all(draw::draw(&placed, view, &title).as_bytes())
-        })?;
-    }
+        draw::draw(&placed, view, &title)
+    })?;
     print(|out| {
         writeln!(out, "x: {}, y: {}", view.x.label(), view.y.label())?;
         writeln!(out, "emulated              x        y     long    short")?;

@@ -3,7 +3,7 @@
 
 use palpate_core::random::RandomStream;
 use palpate_files::{Bench, Overrides, Scene, Seat, Setup};
-use palpate_records::trace::{Event, event};
+use palpate_records::trace::event;
 use palpate_run::{Failure, Input, Outcome, run};
 use serde_json::{Value, json};
 
@@ -179,19 +179,19 @@ fn answer(guarded: &[(u64, u64, f64)], free: &[(u64, u64, f64)]) -> Answer {
     )
 }
 
-fn feels(hypothesis: &Hypothesis) -> Result<Answer, Failure> {
-    let guarded = all(PATHS.iter().map(|scene| hypothesis.setup(scene)))?;
-    let free = all(PATHS
-        .iter()
-        .map(|scene| Ok(hypothesis.setup(scene)?.observed()?)))?;
+/// The four runs with the guard and without it.
+fn guarded_and_free(setup: impl Fn(&str) -> Result<Setup, Failure>) -> Result<Answer, Failure> {
+    let guarded = all(PATHS.iter().map(|scene| setup(scene)))?;
+    let free = all(PATHS.iter().map(|scene| Ok(setup(scene)?.observed()?)))?;
     Ok(answer(&guarded, &free))
 }
 
+fn feels(hypothesis: &Hypothesis) -> Result<Answer, Failure> {
+    guarded_and_free(|scene| hypothesis.setup(scene))
+}
+
 fn inverse() -> Result<Answer, Failure> {
-    let setup = |scene: &&str| Setup::load(scene, "emulated").map_err(Failure::from);
-    let guarded = all(PATHS.iter().map(setup))?;
-    let free = all(PATHS.iter().map(|scene| Ok(setup(scene)?.observed()?)))?;
-    Ok(answer(&guarded, &free))
+    guarded_and_free(|scene| Ok(Setup::load(scene, "emulated")?))
 }
 
 /// The four runs on the default bench with the default law.
@@ -203,39 +203,27 @@ fn runs() -> Result<Vec<Outcome>, Failure> {
 }
 
 fn contacts() -> Result<Answer, Failure> {
-    let mut found = Vec::new();
-    for outcome in runs()? {
-        found.push(
-            outcome
-                .summary
-                .path_error_mm
-                .map_or(f64::INFINITY, |e| e.rmse),
-        );
-    }
+    let runs = runs()?;
+    let errors = runs.iter().map(|run| run.summary.path_error_mm);
+    let found: Vec<f64> = errors
+        .map(|e| e.map_or(f64::INFINITY, |e| e.rmse))
+        .collect();
     let words: Vec<String> = found.iter().map(|mm| format!("{mm:.2}")).collect();
+    let words = words.join(", ");
     let most = found.iter().copied().fold(0.0, f64::max);
     Ok(Answer::new(
         Mark::new(most <= 0.47, || {
-            format!(
-                "paths that keep to the edge are the worst: {} mm",
-                words.join(", ")
-            )
+            format!("paths that keep to the edge are the worst: {words} mm")
         }),
-        format!(
-            "{} mm RMSE along, across, diagonal, in a circle.",
-            words.join(", ")
-        ),
+        format!("{words} mm RMSE along, across, diagonal, in a circle."),
         json!({ "paths": PATHS, "rmse_mm": found }),
     ))
 }
 
 fn taxels() -> Result<Answer, Failure> {
     let count = |outcome: &Outcome| {
-        let each = outcome.trace.events.iter().filter_map(|event| match event {
-            Event::Frame(frame) => Some(frame.in_contact),
-            _ => None,
-        });
-        each.max().unwrap_or(0)
+        let frames = outcome.trace.each::<event::Frame>();
+        frames.map(|frame| frame.in_contact).max().unwrap_or(0)
     };
     let found: Vec<u16> = runs()?.iter().map(count).collect();
     let mut sweep = Vec::new();
@@ -286,16 +274,8 @@ fn breaks() -> Result<Answer, Failure> {
     for scene in PATHS {
         let outcome = run(&hypothesis.setup(scene)?.observed()?, &Input::Scene, 1)?;
         let wires = &outcome.trace.header.wires;
-        for event in &outcome.trace.events {
-            let Event::Felt(event::Felt {
-                target,
-                inside: true,
-                met,
-                ..
-            }) = event
-            else {
-                continue;
-            };
+        let felt = outcome.trace.each::<event::Felt>();
+        for event::Felt { target, met, .. } in felt.filter(|felt| felt.inside) {
             let near = wires.iter().any(|wire| {
                 let (dx, dy) = (wire.place.x - target.x, wire.place.y - target.y);
                 f64::from(dx).hypot(f64::from(dy)) * 1e-3 <= NEAR_MM
@@ -413,11 +393,8 @@ fn compliant() -> Result<Answer, Failure> {
     let (mut told, mut rows) = (Vec::new(), Vec::new());
     for um_per_mn in [0.0, 1.0, 3.0, 10.0] {
         let found = paths(|_, bench| bench.mount.compliance_um_per_mn = um_per_mn)?;
-        let level_db = found
-            .levels_db
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
+        let levels_db = found.levels_db.iter().copied();
+        let level_db = levels_db.fold(f64::INFINITY, f64::min);
         told.push(format!(
             "{um_per_mn} um/mN {:.2} mm RMSE, {level_db:+.1} dB on the weakest path, {} breaks",
             found.rmse_mm(),

@@ -1,7 +1,7 @@
 //! Rows of the latent space: what the model that learned by reconstruction alone rebuilds, where it puts textures, and
 //! what z1 drives.
 
-use palpate_emulators::sensor::surface::{Recording, spearman};
+use palpate_emulators::sensor::surface::spearman;
 use palpate_files::{
     DrivenBy, Rated, TextureDecoder, TextureEntry, TextureModel, load_activation, load_textures,
 };
@@ -53,8 +53,6 @@ pub(super) const ROWS: &[Row] = &[
 const STROKES: u32 = 20;
 /// Seed of the strokes that the model learned from.
 const SEED: u64 = 1;
-/// Rows between windows: neighbours are nearly the same.
-const HOP: usize = 10;
 
 fn error() -> Result<Answer, Failure> {
     let model = TextureModel::open(THESIS)?;
@@ -63,12 +61,7 @@ fn error() -> Result<Answer, Failure> {
     let table = load_textures("thesis")?.value;
     let strokes = explore(&table, STROKES, SEED, |_| ());
     let split = model.split().unwrap_or_default();
-    let over = |part: Part| {
-        let own = strokes.iter();
-        let own = own.filter(|(entry, stroke)| Part::named_in(&split, entry, stroke) == part);
-        let own: Vec<&Recording> = own.map(|(_, stroke)| stroke).collect();
-        rebuilder.strokes(&own, if part == Part::Test { 1 } else { HOP })
-    };
+    let over = |part: Part| rebuilder.part(&strokes, &split, part);
     let (test, validation) = (over(Part::Test)?, over(Part::Validation)?);
     let unseen = over(Part::Unseen)?;
     let losses = model.metadata().get("losses").map_or("", String::as_str);

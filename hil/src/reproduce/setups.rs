@@ -7,7 +7,7 @@ use palpate_files::{
 };
 use palpate_live::host;
 use palpate_live::views::Wanted;
-use palpate_records::trace::{Event, event};
+use palpate_records::trace::event;
 use palpate_run::{Failure, Input, Keep, Outcome};
 
 /// Most contacts that figures 4.6 and 4.7 ask for.
@@ -38,15 +38,13 @@ pub(super) fn played(setup: &Setup) -> Result<Outcome, Failure> {
 
 /// Frames of a run per second, from the first to the last.
 pub(super) fn rate_hz(outcome: &Outcome) -> f64 {
-    let times = outcome.trace.events.iter().filter_map(|event| match event {
-        Event::Frame(frame) => Some(frame.t_us),
-        _ => None,
-    });
-    let times: Vec<u64> = times.collect();
-    match (times.first(), times.last()) {
-        (Some(first), Some(last)) if last > first => {
-            (times.len() - 1) as f64 * 1e6 / (last - first) as f64
-        }
+    let times: Vec<u64> = outcome
+        .trace
+        .each()
+        .map(|f: &event::Frame| f.t_us)
+        .collect();
+    match times.as_slice() {
+        [first, .., last] if last > first => (times.len() - 1) as f64 * 1e6 / (last - first) as f64,
         _ => 0.0,
     }
 }
@@ -161,12 +159,9 @@ pub fn grasp(scene: &mut Scene, diameter_mm: f64, force: f64) {
 /// Fewest and most taxels in contact in a frame while a thing is held.
 pub fn span(outcome: &Outcome) -> (u32, u32) {
     let mut frames = BTreeMap::new();
-    for event in &outcome.trace.events {
-        if let Event::Contact(event::Contact { t_us, members, .. }) = event
-            && (2_400_000..4_000_000).contains(t_us)
-        {
-            *frames.entry(*t_us).or_insert(0) += *members;
-        }
+    let contacts = outcome.trace.each::<event::Contact>();
+    for contact in contacts.filter(|c| (2_400_000..4_000_000).contains(&c.t_us)) {
+        *frames.entry(contact.t_us).or_insert(0) += contact.members;
     }
     let least = frames.values().copied().min().unwrap_or(0);
     (least, frames.values().copied().max().unwrap_or(0))

@@ -1,7 +1,7 @@
 //! Rows of figures 4.5 and 4.6: a sphere that rolls over one module from the bottom to the top.
 
 use palpate_files::PathKind;
-use palpate_records::trace::{Event, event};
+use palpate_records::trace::{PlaceUm, event};
 use palpate_run::{Failure, Outcome};
 use serde_json::json;
 
@@ -72,36 +72,34 @@ fn rate() -> Result<Answer, Failure> {
 
 /// Frames of a run: time, taxels in contact, true place of the sphere, the contact.
 struct Seen {
+    t_us: u64,
     in_contact: u16,
     truth: Option<(f64, f64)>,
     contacts: Vec<event::Contact>,
 }
 
+fn mm(place: PlaceUm) -> (f64, f64) {
+    (f64::from(place.x) * 1e-3, f64::from(place.y) * 1e-3)
+}
+
 fn frames(outcome: &Outcome) -> Vec<Seen> {
-    let mm = |p: palpate_records::trace::PlaceUm| (f64::from(p.x) * 1e-3, f64::from(p.y) * 1e-3);
-    let mut all = Vec::new();
-    let mut times = Vec::new();
-    for event in &outcome.trace.events {
-        if let Event::Frame(frame) = event {
-            times.push(frame.t_us);
-            all.push(Seen {
-                in_contact: frame.in_contact,
-                truth: None,
-                contacts: Vec::new(),
-            });
+    let seen = |frame: &event::Frame| Seen {
+        t_us: frame.t_us,
+        in_contact: frame.in_contact,
+        truth: None,
+        contacts: Vec::new(),
+    };
+    let mut all: Vec<Seen> = outcome.trace.each().map(seen).collect();
+    let frame = |all: &[Seen], t_us: u64| all.binary_search_by_key(&t_us, |seen| seen.t_us).ok();
+    for truth in outcome.trace.each::<event::Truth>() {
+        if let Some(at) = frame(&all, truth.t_us) {
+            all[at].truth = Some(mm(truth.place));
         }
     }
-    for event in &outcome.trace.events {
-        let (t_us, truth, contact) = match event {
-            Event::Truth(truth) => (truth.t_us, Some(mm(truth.place)), None),
-            Event::Contact(contact) => (contact.t_us, None, Some(*contact)),
-            _ => continue,
-        };
-        let Ok(at) = times.binary_search(&t_us) else {
-            continue;
-        };
-        all[at].truth = truth.or(all[at].truth);
-        all[at].contacts.extend(contact);
+    for contact in outcome.trace.each::<event::Contact>() {
+        if let Some(at) = frame(&all, contact.t_us) {
+            all[at].contacts.push(*contact);
+        }
     }
     all
 }
@@ -114,10 +112,7 @@ fn path() -> Result<Answer, Failure> {
         let (Some(truth), Some(contact)) = (seen.truth, seen.contacts.first()) else {
             continue;
         };
-        let (x, y) = (
-            f64::from(contact.place.x) * 1e-3,
-            f64::from(contact.place.y) * 1e-3,
-        );
+        let (x, y) = mm(contact.place);
         let off = (x - truth.0).hypot(y - truth.1);
         all.push(off * off);
         if truth.1.abs() <= f64::from(PITCH_MM) / 2.0 {
@@ -146,14 +141,10 @@ fn path() -> Result<Answer, Failure> {
 
 fn rug() -> Result<Answer, Failure> {
     let outcome = rising(1)?;
-    let mut found: Vec<(u32, u16)> = Vec::new();
-    for event in &outcome.trace.events {
-        if let Event::Contact(contact) = event {
-            found.push((contact.intensity_milli, contact.level));
-        }
-    }
-    let weakest = found.iter().min().copied().unwrap_or_default();
-    let levels = found.iter().map(|(_, level)| *level).max().unwrap_or(0);
+    let contacts = outcome.trace.each::<event::Contact>();
+    let found = contacts.map(|c| (c.intensity_milli, c.level));
+    let weakest = found.clone().min().unwrap_or_default();
+    let levels = found.map(|(_, level)| level).max().unwrap_or(0);
     let counts = f64::from(weakest.0) * 1e-3;
     Ok(Answer::new(
         Mark::new(weakest.1 == 1, || {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{entries, headed, read_text};
-use palpate_live::output::write_file;
+use palpate_live::output::write_text;
 use palpate_run::Failure;
 
 use crate::trial::GOLDENS;
@@ -109,8 +109,7 @@ impl Pending {
     /// # Errors
     /// A file that cannot be written.
     pub fn accept(&self, why: Option<&str>) -> Result<(), Failure> {
-        let text = settled(&self.new, why);
-        write_file(&accepted(&self.path), |out| out.write_all(text.as_bytes()))?;
+        write_text(&accepted(&self.path), &settled(&self.new, why))?;
         self.reject()
     }
 

@@ -7,7 +7,7 @@ use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_files::{Loaded, Protocol, load_protocol, read_bytes};
-use palpate_live::output::{make_folder, write_file};
+use palpate_live::output::{make_folder, write_text};
 use palpate_run::Failure;
 use palpate_study::{Line, Record, Step};
 
@@ -31,11 +31,6 @@ pub struct Writing {
     file: File,
     /// Content of the record so far.
     pub record: Option<Record>,
-}
-
-/// Writes a text whole or not at all.
-fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    write_file(path, |out| out.write_all(text.as_bytes()))
 }
 
 /// Reads the record of the participant whose number is in its name; none where nothing whole was written yet.
@@ -87,10 +82,10 @@ impl Folder {
                     copy.display()
                 )));
             }
-            Err(_) => replace(&copy, protocol.source.text())?,
+            Err(_) => write_text(&copy, protocol.source.text())?,
         }
         let about = path.join("dataset_description.json");
-        replace(&about, &description(&protocol.value))?;
+        write_text(&about, &description(&protocol.value))?;
         Ok(folder)
     }
 
@@ -150,7 +145,7 @@ impl Folder {
         if let Some(folder) = path.parent() {
             make_folder(folder)?;
         }
-        replace(&path, text)?;
+        write_text(&path, text)?;
         Ok(path)
     }
 
@@ -263,8 +258,8 @@ impl Writing {
             protocol.name.replace('-', "")
         );
         let data_folder = self.folder.path.join("data");
-        replace(&data_folder.join(format!("{stem}.csv")), &data(record))?;
-        replace(
+        write_text(&data_folder.join(format!("{stem}.csv")), &data(record))?;
+        write_text(
             &data_folder.join(format!("{stem}.json")),
             &sidecar(protocol),
         )

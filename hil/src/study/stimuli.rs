@@ -71,12 +71,6 @@ impl Stimuli {
         &self.protocol
     }
 
-    /// Name of the bench.
-    #[must_use]
-    pub fn bench(&self) -> &str {
-        &self.bench.value.name
-    }
-
     /// Places of the display's wires, mm.
     #[must_use]
     pub fn wires_mm(&self) -> &[[f64; 2]] {

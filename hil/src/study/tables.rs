@@ -31,41 +31,33 @@ pub fn data(record: &Record) -> String {
         let Some(played) = &said.trial else {
             continue;
         };
-        let (mut chosen, mut yes) = (String::new(), String::new());
-        let (mut x, mut y, mut ratings) = (String::new(), String::new(), String::new());
-        let (mut strokes, mut points, mut why) = (String::new(), String::new(), String::new());
-        let status = match &said.reply {
-            Reply::Void(reason) => {
-                why.clone_from(reason);
-                "void"
-            }
-            _ => "answered",
-        };
+        let interval = |n: usize| word(played.intervals.get(n).and_then(|i| i.stimulus.as_ref()));
+        let number = |n: Option<String>| n.unwrap_or_default();
+        let (mut status, mut why) = ("answered", String::new());
+        // Interval and whether it counts as yes, x and y, ratings, strokes and points.
+        let mut answer: [String; 7] = Default::default();
         match &said.reply {
+            Reply::Void(reason) => (status, why) = ("void", reason.clone()),
             Reply::Answer(Answer::Interval(n)) => {
-                chosen = n.to_string();
-                yes = played
-                    .right
-                    .map_or_else(String::new, |r| u8::from(r == *n).to_string());
+                answer[0] = n.to_string();
+                answer[1] = number(played.right.map(|r| u8::from(r == *n).to_string()));
             }
-            Reply::Answer(Answer::Place([px, py])) => {
-                (x, y) = (format!("{px:.3}"), format!("{py:.3}"));
+            Reply::Answer(Answer::Place(place)) => {
+                [answer[2], answer[3]] = place.map(|mm| format!("{mm:.3}"));
             }
             Reply::Answer(Answer::Ratings(given)) => {
                 let given: Vec<String> = given.iter().map(u8::to_string).collect();
-                ratings = given.join(";");
+                answer[4] = given.join(";");
             }
             Reply::Answer(Answer::Path(drawn)) => {
-                strokes = drawn.len().to_string();
-                points = drawn.iter().map(Vec::len).sum::<usize>().to_string();
+                answer[5] = drawn.len().to_string();
+                answer[6] = drawn.iter().map(Vec::len).sum::<usize>().to_string();
             }
             _ => {}
         }
-        let interval = |n: usize| word(played.intervals.get(n).and_then(|i| i.stimulus.as_ref()));
-        let number = |n: Option<String>| n.unwrap_or_default();
         let began = played.intervals.first().map(|i| i.began_ms.to_string());
         let stimuli: usize = played.intervals.iter().map(|i| i.bursts.len()).sum();
-        let row = [
+        let before = [
             record.about.participant.to_string(),
             played.number.to_string(),
             played.attempt.to_string(),
@@ -76,20 +68,16 @@ pub fn data(record: &Record) -> String {
             interval(1),
             number(played.level_db.map(|db| db.to_string())),
             number(played.right.map(|r| r.to_string())),
-            chosen,
-            yes,
-            x,
-            y,
-            ratings,
-            strokes,
-            points,
+        ];
+        let after = [
             number(began),
             played.asked_ms.to_string(),
             said.at_ms.to_string(),
             stimuli.to_string(),
             why,
         ];
-        text += &as_csv([row.map(|cell| plain(&cell))]);
+        let row = before.into_iter().chain(answer).chain(after);
+        text += &as_csv([row.map(|cell| plain(&cell)).collect::<Vec<_>>()]);
     }
     text
 }

@@ -11,7 +11,7 @@ use palpate_records::trace::Trace;
 use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::{Failure, damaged};
 
-use palpate_live::output::{make_folder, write_file};
+use palpate_live::output::{make_folder, write_text};
 
 /// Largest golden, bytes: hundreds of times what one has.
 pub(super) const LARGEST: u64 = 32 << 20;
@@ -207,7 +207,6 @@ impl Kept {
     }
 
     fn write(&self, path: &Path) -> Result<(), Failure> {
-        let text = format!("---\n{SOURCE}\n---\n{}\n", self.text());
-        write_file(path, |out| out.write_all(text.as_bytes()))
+        write_text(path, &format!("---\n{SOURCE}\n---\n{}\n", self.text()))
     }
 }

@@ -7,7 +7,7 @@ use palpate_files::{FileError, said};
 use palpate_run::Failure;
 
 use super::{Trial, TrialEnd};
-use palpate_live::output::{make_folder, write_file};
+use palpate_live::output::{make_folder, write_text};
 
 fn file(folder: &Path) -> PathBuf {
     folder.join(".palpate").join("last-failed")
@@ -27,7 +27,7 @@ pub fn remember(folder: &Path, suites: &[(String, Vec<Trial>)]) -> Result<(), Fa
     }
     let file = file(folder);
     file.parent().map_or(Ok(()), make_folder)?;
-    write_file(&file, |out| out.write_all(lines.as_bytes()))
+    write_text(&file, &lines)
 }
 
 /// Scene and bench of what failed.

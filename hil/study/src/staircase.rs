@@ -1,23 +1,16 @@
 //! Staircases: down after a number of correct answers, up after a wrong one.
 
-/// Parameters of a staircase.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StaircaseSettings {
-    /// Level of the first trial, dB.
-    pub start: f64,
-    /// Steps, dB: the first until the level turns, the next until it turns again; the last one stays.
-    pub steps: Vec<f64>,
-    /// Correct answers in a row after which the level falls: 2 settles where 71 % are correct (Levitt 1971, table I).
-    pub down: u32,
-    /// Least and most level, dB.
-    pub range: (f64, f64),
-}
+/// Steps, dB: the first until the level turns, the next until it turns again; the last one stays.
+const STEPS: [f64; 3] = [8.0, 4.0, 2.0];
+/// Correct answers in a row after which the level falls: 2 settles where 71 % are correct (Levitt 1971, table I).
+const DOWN: u32 = 2;
 
 /// A transformed up-down staircase (Levitt 1971, "Transformed up-down methods in psychoacoustics", J. Acoust. Soc. Am. 49,
 /// 467). Until it first turns it falls after each correct answer, and so with the one that first turns it.
 #[derive(Debug, Clone)]
 pub struct Staircase {
-    settings: StaircaseSettings,
+    /// Least and most level, dB.
+    range: (f64, f64),
     level: f64,
     /// Correct answers since the level last moved.
     streak: u32,
@@ -27,12 +20,11 @@ pub struct Staircase {
 }
 
 impl Staircase {
-    /// A staircase at its start.
-    pub fn new(settings: StaircaseSettings) -> Self {
-        let (least, most) = settings.range;
+    /// A staircase at the most of its levels, least and most in dB.
+    pub const fn new(range: (f64, f64)) -> Self {
         Self {
-            level: settings.start.min(most).max(least),
-            settings,
+            level: range.1,
+            range,
             streak: 0,
             rising: None,
             turns: Vec::new(),
@@ -49,7 +41,7 @@ impl Staircase {
         let first = self.turns.is_empty();
         self.streak = if correct { self.streak + 1 } else { 0 };
         let moves = match correct {
-            true => first || self.streak >= self.settings.down,
+            true => first || self.streak >= DOWN,
             false => true,
         };
         if !moves {
@@ -60,13 +52,8 @@ impl Staircase {
             self.turns.push(self.level);
         }
         self.rising = Some(rising);
-        let steps = &self.settings.steps;
-        let last = steps.len().saturating_sub(1);
-        let step = steps
-            .get(self.turns.len().min(last))
-            .copied()
-            .unwrap_or(1.0);
-        let (least, most) = self.settings.range;
+        let step = STEPS[self.turns.len().min(STEPS.len() - 1)];
+        let (least, most) = self.range;
         let level = if rising {
             self.level + step
         } else {

@@ -21,12 +21,7 @@ fn it_asks_what_psychopy_asks_trial_by_trial() {
     let vectors: Vectors = serde_json::from_str(include_str!("adaptive.json")).unwrap();
     assert_eq!(vectors.staircase.len(), 20);
     for (number, session) in vectors.staircase.iter().enumerate() {
-        let mut staircase = Staircase::new(StaircaseSettings {
-            start: 0.0,
-            steps: vec![8.0, 4.0, 2.0],
-            down: 2,
-            range: (-40.0, 0.0),
-        });
+        let mut staircase = Staircase::new((-40.0, 0.0));
         for (trial, level) in session.levels.iter().enumerate() {
             let asked = (staircase.next(), trial);
             assert_eq!(asked, (*level, trial), "session {number}");

@@ -4,7 +4,7 @@
 use palpate_files::ThresholdMethod;
 
 use crate::quest::{Estimate, Quest, QuestDomain};
-use crate::staircase::{Staircase, StaircaseSettings};
+use crate::staircase::Staircase;
 
 /// Least level, dB of full drive.
 pub(crate) const LEAST_DB: f64 = -40.0;
@@ -88,16 +88,8 @@ impl Thresholding {
             ends.0.copied().unwrap_or_default(),
             ends.1.copied().unwrap_or_default(),
         );
-        let staircase = || {
-            Staircase::new(StaircaseSettings {
-                start: range.1,
-                steps: vec![8.0, 4.0, 2.0],
-                down: 2,
-                range,
-            })
-        };
         Self {
-            staircase: (method == ThresholdMethod::Staircase).then(staircase),
+            staircase: (method == ThresholdMethod::Staircase).then(|| Staircase::new(range)),
             quest: Quest::new(domain),
             left: trials,
         }

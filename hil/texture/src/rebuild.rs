@@ -9,6 +9,9 @@ use rayon::prelude::*;
 
 use crate::explore::{STROKED_HZ, features};
 
+/// Rows between windows that are rebuilt: neighbours are nearly the same.
+const HOP: usize = 10;
+
 /// One layer with its weights column by column: the weights of one input lie side by side.
 struct Columns {
     inputs: Vec<f32>,
@@ -133,6 +136,22 @@ impl<'a> Rebuilder<'a> {
         let given = given.map(|(raw, (first, factor))| (raw - first) * factor);
         let squares = given.zip(&rebuilt).map(|(a, b)| f64::from(a - b).powi(2));
         Ok(squares.sum::<f64>() / samples.len().max(1) as f64)
+    }
+
+    /// [`Rebuilder::strokes`] of those that have this part in the training. A test takes every window, as in training.
+    ///
+    /// # Errors
+    /// Errors of [`Rebuilder::strokes`].
+    pub fn part(
+        &self,
+        strokes: &[(&TextureEntry, Recording)],
+        split: &Split,
+        part: Part,
+    ) -> Result<Rebuilt, Failure> {
+        let own = strokes.iter();
+        let own = own.filter(|(entry, stroke)| Part::named_in(split, entry, stroke) == part);
+        let own: Vec<&Recording> = own.map(|(_, stroke)| stroke).collect();
+        self.strokes(&own, if part == Part::Test { 1 } else { HOP })
     }
 
     /// Mean of [`Rebuilder::error`] over windows of strokes that begin `hop` rows apart, and the number of windows.

@@ -20,7 +20,6 @@ use super::heard::{Heard, Waiting};
 use super::inbox::Inbox;
 use super::shrunk::{Rest, levels};
 use crate::cli::DisplayArgs;
-use crate::name::Name;
 use crate::net::{self, Mode};
 
 /// Messages that wait for the loop at most: more than a turn of any skin.
@@ -97,13 +96,7 @@ fn feel<D: Watched + Send>(
 ) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
     let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
-    // A certificate's name is the one that the access list knows.
-    let wearer = net
-        .name
-        .as_ref()
-        .map_or(Ok(args.wearer.clone()), |name| name.parse());
-    let wearer: Name =
-        wearer.map_err(|e| Failure::Input(format!("the certificate's name: {e}")))?;
+    let wearer = net.wearer(&args.wearer)?;
     let again = args.at.is_twice(args.twice);
     let again = again.then(|| net::open_beside(&args.at.at())).flatten();
     let seed = args.on.seed;

@@ -16,7 +16,6 @@ use zenoh::Wait as _;
 use crate::budget::{Samples, Spread};
 use crate::cli::{GloveArgs, after};
 use crate::message::{self, Flexed, Frame, JointAngle, VERSION};
-use crate::name::Name;
 use crate::net::{self, Mode, zenoh};
 use crate::records::session_of;
 
@@ -78,10 +77,7 @@ pub fn run(args: &GloveArgs) -> Result<(), Failure> {
     let end = after(args.seconds.unwrap_or(last_s));
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
     let net = net::open(&args.at.at(), Mode::Peer, &signals)?;
-    // A certificate's name is the one that the access list knows.
-    let own = net.name.as_ref();
-    let wearer = own.map_or(Ok(args.wearer.clone()), |name| name.parse::<Name>());
-    let wearer = wearer.map_err(|e| Failure::Input(format!("the certificate's name: {e}")))?;
+    let wearer = net.wearer(&args.wearer)?;
     let key = args.finger.flexion(&wearer);
     let publisher = net::frames(&net.session, key, &message::encoding::<Flexed>())?;
     let clock = RunClock::start();

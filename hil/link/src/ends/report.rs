@@ -79,9 +79,8 @@ impl Report {
             made: &made(),
             ..ReportExtras::default()
         };
-        let page = report_html(&trace, &extras);
-        self.outputs.write(&self.path, Format::Html, |out| {
-            out.write_all(page.as_bytes())
-        })
+        let page = || report_html(&trace, &extras);
+        self.outputs
+            .write_some(Some(&self.path), Format::Html, page)
     }
 }

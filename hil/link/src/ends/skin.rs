@@ -107,16 +107,10 @@ fn may_publish(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
         .timeout(Wait::from_millis(700))
         .wait();
     let Ok(answers) = asked else { return Ok(()) };
-    while let Ok(reply) = answers.recv() {
-        if let Ok(sample) = reply.result() {
-            let answer = sample
-                .payload()
-                .try_to_string()
-                .unwrap_or_default()
-                .into_owned();
-            if let Some(by) = answer.strip_prefix("no ") {
-                return Err(refused(by));
-            }
+    for sample in net::samples(answers) {
+        let answer = sample.payload().try_to_string().unwrap_or_default();
+        if let Some(by) = answer.strip_prefix("no ") {
+            return Err(refused(by));
         }
     }
     Ok(())
@@ -132,21 +126,19 @@ fn alone(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
         .timeout(Wait::from_millis(700))
         .wait();
     let Ok(answers) = asked else { return Ok(()) };
-    while let Ok(reply) = answers.recv() {
-        if let Ok(sample) = reply.result() {
-            let key = sample.key_expr().as_str();
-            let other = key.rsplit('/').next().unwrap_or_default();
-            // The first one is told too, as far as it can be reached.
-            let told = net.session.get(args.finger.about()).payload(SECOND);
-            let told = told.timeout(Wait::from_millis(500)).wait();
-            drop(told.map(|answers| answers.recv()));
-            return Err(Failure::Input(format!(
-                "{}: expected a finger that is not published, found publisher {other}; stop it first, or choose another name",
-                args.finger
-            )));
-        }
-    }
-    Ok(())
+    let Some(sample) = net::samples(answers).next() else {
+        return Ok(());
+    };
+    let key = sample.key_expr().as_str();
+    let other = key.rsplit('/').next().unwrap_or_default();
+    // The first one is told too, as far as it can be reached.
+    let told = net.session.get(args.finger.about()).payload(SECOND);
+    let told = told.timeout(Wait::from_millis(500)).wait();
+    drop(told.map(|answers| answers.recv()));
+    Err(Failure::Input(format!(
+        "{}: expected a finger that is not published, found publisher {other}; stop it first, or choose another name",
+        args.finger
+    )))
 }
 
 /// A skin that is about to be published.

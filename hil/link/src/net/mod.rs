@@ -12,15 +12,17 @@ pub use open::{At, Mode, Net, NetError, open, open_beside};
 
 use std::borrow::Cow;
 
+use palpate_run::Failure;
 use zenoh::bytes::Encoding;
+use zenoh::handlers::FifoChannelHandler;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::qos::{CongestionControl, Priority};
-use zenoh::query::{Query, Queryable};
+use zenoh::query::{Query, Queryable, Reply};
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
 use crate::message::MOST_BYTES;
-use crate::name::ROOT;
+use crate::name::{Name, ROOT};
 
 /// A publisher of frames: a frame that cannot be sent at once is dropped, and none waits to fill a packet.
 ///
@@ -54,6 +56,12 @@ pub fn subscribe(
     subscriber.wait().map_err(zenoh)
 }
 
+/// Samples of a query's answers, as they come.
+pub fn samples(answers: FifoChannelHandler<Reply>) -> impl Iterator<Item = Sample> {
+    let replies = std::iter::from_fn(move || answers.recv().ok());
+    replies.filter_map(|reply| reply.into_result().ok())
+}
+
 /// The bytes of a message. `None` for more than any message of this program has: they are neither looked at nor copied.
 #[must_use]
 pub fn bytes(sample: &Sample) -> Option<Cow<'_, [u8]>> {
@@ -62,6 +70,16 @@ pub fn bytes(sample: &Sample) -> Option<Cow<'_, [u8]>> {
 }
 
 impl Net {
+    /// Name of a wearer: a certificate's name is the one that the access list knows.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a certificate's name that no wearer can have.
+    pub fn wearer(&self, given: &Name) -> Result<Name, Failure> {
+        let name = self.name.as_ref();
+        let name = name.map_or(Ok(given.clone()), |name| name.parse());
+        name.map_err(|e| Failure::Input(format!("the certificate's name: {e}")))
+    }
+
     /// Answers questions whether a machine may publish a finger, where there is an access list: zenoh drops in
     /// silence everything that it forbids.
     ///

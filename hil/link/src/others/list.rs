@@ -90,8 +90,7 @@ pub fn run(args: &ListArgs) -> Result<(), Failure> {
     let mut fingers: BTreeMap<String, Listed> = BTreeMap::new();
     let all = format!("{ROOT}/*/*/*/about");
     let answers = net.session.get(all).timeout(wait).wait().map_err(zenoh)?;
-    while let Ok(reply) = answers.recv() {
-        let Ok(sample) = reply.result() else { continue };
+    for sample in net::samples(answers) {
         let about = decode::<About>(&sample.payload().to_bytes());
         if let (Some((finger, _)), Some(about)) = (split(sample.key_expr().as_str()), about) {
             listed(&mut fingers, &finger.to_string())
@@ -110,8 +109,7 @@ pub fn run(args: &ListArgs) -> Result<(), Failure> {
         .liveliness()
         .get(format!("{ROOT}/*/*/*/alive/**"));
     let tokens = tokens.timeout(wait).wait().map_err(zenoh)?;
-    while let Ok(reply) = tokens.recv() {
-        let Ok(sample) = reply.result() else { continue };
+    for sample in net::samples(tokens) {
         let Some((finger, rest)) = split(sample.key_expr().as_str()) else {
             continue;
         };

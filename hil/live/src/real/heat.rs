@@ -1,6 +1,6 @@
 //! Heat and dose of a run on hardware, which outlive it: the ledger before it, and the bookings of it.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 
 use palpate_buses::hardware::Hardware;
 use palpate_buses::ledger::{self, Fingertip, Keeper, Ledger, LedgerError, Output};
@@ -10,6 +10,7 @@ use palpate_files::{Bench, Loaded, Setup};
 use palpate_run::Failure;
 
 use crate::link::UnitPlace;
+use crate::lock::held;
 
 /// Account of wearers whose file has no name.
 const WEARER: &str = "wearer";
@@ -214,8 +215,7 @@ impl Heat {
     /// # Errors
     /// [`Failure::Device`] where nothing can be kept, [`Failure::Guard`] where it can no longer be read: nothing may be driven.
     pub(crate) fn begin(&self, states: &[(Instant, &Guard)]) -> Result<(), Failure> {
-        let ledger = self.ledger.lock();
-        let ledger = ledger.unwrap_or_else(PoisonError::into_inner).take();
+        let ledger = held(&self.ledger).take();
         let Some(ledger) = ledger else {
             return Ok(());
         };

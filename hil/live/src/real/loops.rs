@@ -1,9 +1,9 @@
 //! The loops of a run in real time: a thread for each finger, which answers for its own part of the heartbeat.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration as Elapsed;
 
 use palpate_buses::pacer::{Lateness, Pacer, RunClock, Watch};
@@ -19,6 +19,7 @@ use super::ends::{Sensed, Watched, goes_on, part, switch_off};
 use super::records::{Records, Said};
 use super::{panicked, passed, priority};
 use crate::interfaces::lines;
+use crate::lock::held;
 use crate::output::note;
 use crate::progress::Progress;
 use crate::views::{STOPPED_BY_PAGE, Wanted};
@@ -169,7 +170,7 @@ impl<'a> Shared<'a> {
                 {
                     note(&format!("the state of the wires is not kept: {failure}"));
                 }
-                *self.wish.lock().unwrap_or_else(PoisonError::into_inner) = Some(wish);
+                *held(&self.wish) = Some(wish);
                 self.wishes.fetch_add(1, Ordering::Relaxed);
             }
             if records.have_failed() {

@@ -2,7 +2,7 @@
 //! one guardian, and the line that cuts all outputs.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use palpate_buses::guardian::{Guardian, Lost};
 use palpate_buses::i2c::SharedLine;
@@ -15,6 +15,8 @@ use palpate_files::{Bench, BenchHaptics, Loaded, Real, Setup};
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::place::Place;
 use palpate_run::{Failure, plan};
+
+use crate::lock::held;
 
 use super::bench::{guarded, real_of, refuse_latched, watch};
 use super::clocked::{Clocked, OnLines};
@@ -44,11 +46,6 @@ struct Parting {
     left: Vec<String>,
     /// Causes that stay latched until a person has looked.
     stopped: Vec<String>,
-}
-
-/// A lock that a panic elsewhere does not close: switching off must never be kept out.
-fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Warden {

@@ -3,11 +3,13 @@
 
 use std::fmt;
 use std::net::{TcpStream, ToSocketAddrs};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use palpate_files::{Columns, FileError, Rows, SensorLayout, Take, Text};
 use palpate_run::{Failure, NextRow, RowSource};
+
+use crate::lock::held;
 
 /// Time after which a machine that is not reached, or sends nothing, counts as gone.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -82,7 +84,7 @@ impl RowSource for ReadingStream {
     }
 
     fn rows(&self) -> Result<Box<dyn NextRow + '_>, Failure> {
-        let mut rows = self.rows.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut rows = held(&self.rows);
         let again = || Failure::Input("a stream can be read once".into());
         Ok(Box::new(Coming {
             rows: rows.take().ok_or_else(again)?,
@@ -92,7 +94,7 @@ impl RowSource for ReadingStream {
     }
 
     fn wrong(&self) -> Option<FileError> {
-        let wrong = self.wrong.lock().unwrap_or_else(PoisonError::into_inner);
+        let wrong = held(&self.wrong);
         wrong.clone()
     }
 }
@@ -107,8 +109,7 @@ struct Coming<'a> {
 impl NextRow for Coming<'_> {
     fn next_row(&mut self, counts: &mut Vec<u16>) -> Result<Option<u64>, Failure> {
         let row = self.rows.advance(counts).inspect_err(|error| {
-            let wrong = self.stream.wrong.lock();
-            *wrong.unwrap_or_else(PoisonError::into_inner) = Some(error.clone());
+            *held(&self.stream.wrong) = Some(error.clone());
         })?;
         let now = crate::clock::now();
         let began = *self.began.get_or_insert(now);

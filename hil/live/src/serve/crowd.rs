@@ -4,7 +4,9 @@
 use std::collections::VecDeque;
 use std::io;
 use std::net::{Shutdown, TcpStream};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
+
+use crate::lock::held;
 
 /// The connection that makes room for a newcomer where a crowd is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,14 +50,10 @@ impl Crowd {
         })
     }
 
-    fn held(&self) -> MutexGuard<'_, Inside> {
-        self.inside.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Gives a connection a place. Where the crowd is full, another one is shut down for it.
     pub(super) fn enter(self: &Arc<Self>, stream: &TcpStream) -> io::Result<Place> {
         let own = stream.try_clone()?;
-        let mut inside = self.held();
+        let mut inside = held(&self.inside);
         if inside.streams.len() >= self.most {
             let left = match self.leaves {
                 Leaves::First => inside.streams.pop_front(),
@@ -78,7 +76,7 @@ impl Crowd {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        let mut inside = self.crowd.held();
+        let mut inside = held(&self.crowd.inside);
         inside.streams.retain(|(number, _)| *number != self.number);
     }
 }

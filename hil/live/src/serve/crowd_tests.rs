@@ -40,7 +40,7 @@ fn a_newcomer_has_the_place_of_the_first_or_of_the_last() {
         assert_eq!(gone(&mut all), expected, "{leaves:?}");
         // Who was shut down gives no other one's place back.
         drop(places);
-        assert!(crowd.held().streams.is_empty());
+        assert!(held(&crowd.inside).streams.is_empty());
     }
 }
 

@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use palpate_run::Failure;
@@ -20,6 +20,7 @@ use super::files::Page;
 use super::server::{self, Show, converse, socket, widen};
 use super::slot::Slot;
 use crate::clock;
+use crate::lock::held;
 
 /// Longest message of the participant's page, bytes: a drawing of ten minutes at 120 Hz. The experimenter's has a few words.
 const LONGEST: usize = 8 << 20;
@@ -166,12 +167,8 @@ struct Said {
 }
 
 impl Shared {
-    fn held(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn hear(&self, heard: Heard) -> bool {
-        let waits = self.held().wait(heard);
+        let waits = held(&self.state).wait(heard);
         self.changed.notify_all();
         waits
     }
@@ -179,7 +176,7 @@ impl Shared {
     fn stop(&self) {
         // First of all: a run looks at this once every turn.
         self.stop.store(true, Ordering::Relaxed);
-        let mut state = self.held();
+        let mut state = held(&self.state);
         state.stopped.get_or_insert(clock::now());
         state.wait(Heard::Stop);
         drop(state);
@@ -211,7 +208,7 @@ impl Shared {
     /// Opens a new page, which gets the newest view.
     fn open(&self, who: Who) -> Arc<Slot> {
         let slot = Arc::new(Slot::default());
-        let mut state = self.held();
+        let mut state = held(&self.state);
         let shown = state.shown(who);
         slot.show(0, &shown.text());
         if who == Who::Participant
@@ -229,7 +226,7 @@ impl Shared {
     }
 
     fn close(&self, who: Who, slot: &Arc<Slot>) {
-        let mut state = self.held();
+        let mut state = held(&self.state);
         let pages = &mut state.shown(who).pages;
         let own = pages.iter().position(|page| Arc::ptr_eq(page, slot));
         let left = own.map(|own| pages.swap_remove(own));
@@ -296,28 +293,32 @@ impl Desk {
     /// Time at which STOP was heard, if it was.
     #[must_use]
     pub fn stopped(&self) -> Option<Instant> {
-        self.shared.held().stopped
+        held(&self.shared.state).stopped
     }
 
     /// Tells whether the participant's page is there.
     #[must_use]
     pub fn is_seated(&self) -> bool {
-        !self.shared.held().participant.pages.is_empty()
+        !held(&self.shared.state).participant.pages.is_empty()
     }
 
     /// Shows the participant a view, and returns its number, which a reply has to name.
     pub fn show(&self, view: Value) -> u64 {
-        self.shared.held().participant.change(|last| *last = view)
+        held(&self.shared.state)
+            .participant
+            .change(|last| *last = view)
     }
 
     /// Shows the experimenter something.
     pub fn tell(&self, view: Value) {
-        self.shared.held().experimenter.change(|last| *last = view);
+        held(&self.shared.state)
+            .experimenter
+            .change(|last| *last = view);
     }
 
     /// Shows the experimenter how much of the limits is used, and leaves the rest of the view as it is.
     pub fn limits(&self, rows: &[(&str, f64)]) {
-        let mut state = self.shared.held();
+        let mut state = held(&self.shared.state);
         let shown = &mut state.experimenter;
         if shown.view.is_object() {
             shown.change(|view| view["rows"] = json!(rows));
@@ -328,7 +329,7 @@ impl Desk {
     #[must_use]
     pub fn hear(&self, most: Duration) -> Option<Heard> {
         let waits = |state: &mut State| state.heard.is_empty();
-        let held = self.shared.held();
+        let held = held(&self.shared.state);
         let waited = self.shared.changed.wait_timeout_while(held, most, waits);
         let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
         state.heard.pop_front()

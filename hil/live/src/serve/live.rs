@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::Thread;
 use std::time::Duration;
 
@@ -12,6 +12,8 @@ use palpate_run::picture::Head;
 use palpate_run::{Beginning, Failure, Wish};
 use serde::Deserialize;
 use serde_json::json;
+
+use crate::lock::held;
 
 use super::files::Page;
 use super::server::{self, Show, converse, socket};
@@ -67,11 +69,6 @@ struct Said {
     rezero: bool,
     hot_pass: bool,
     display: Option<usize>,
-}
-
-/// Locks, whatever became of the thread that had the lock.
-fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl RunState {
@@ -203,7 +200,7 @@ impl Hub {
         let pages = held(&self.pages);
         let bits = pages
             .iter()
-            .map(|page| 1 << page.display.load(Ordering::Relaxed).min(DISPLAYS - 1));
+            .map(|page| 1 << page.display().min(DISPLAYS - 1));
         self.looked_at
             .store(bits.fold(0, |all, bit: u64| all | bit), Ordering::Relaxed);
         drop(pages);
@@ -251,7 +248,7 @@ impl Hub {
             *held(&self.wish) = Some(wish);
         }
         if let Some(display) = said.display {
-            slot.display.store(display, Ordering::Relaxed);
+            slot.look_at(display);
             if held(&self.run).over.is_some() {
                 self.show_last(slot, display);
             }

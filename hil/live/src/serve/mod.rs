@@ -9,6 +9,7 @@ mod gate;
 mod http;
 mod live;
 mod pictures;
+mod post;
 mod recordings;
 mod server;
 mod slot;

@@ -3,7 +3,7 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::thread::{Builder, JoinHandle, park, park_timeout};
 use std::time::{Duration as Elapsed, Instant as Clock};
 
@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use super::live::{Hub, Live};
 use crate::clock;
+use crate::lock::held;
 
 /// Time between two pictures.
 const EVERY: Duration = Duration::from_micros(33_333);
@@ -125,7 +126,7 @@ impl LiveRun {
             told: 0,
             number: 0,
         });
-        self.studio.easels().push(easel);
+        held(&self.studio.easels).push(easel);
         self.hub.add(run);
     }
 
@@ -183,17 +184,13 @@ impl Drop for LiveRun {
 }
 
 impl Studio {
-    fn easels(&self) -> MutexGuard<'_, Vec<Arc<Mutex<Easel>>>> {
-        self.easels.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Paints until the run is over.
     fn paint(&self, hub: &Hub) {
         let every = Elapsed::from_micros(EVERY.as_micros());
         let mut pause = SOON;
         loop {
             let is_over = self.is_over.load(Ordering::Acquire);
-            let easels = self.easels().clone();
+            let easels = held(&self.easels).clone();
             let mut newest = None;
             for (display, easel) in easels.iter().enumerate() {
                 let painted = free(easel).and_then(|mut easel| easel.paint(display));

@@ -15,6 +15,7 @@ use super::crowd::{Crowd, Leaves, Place};
 use super::files::{self, Page};
 use super::gate::Gate;
 use super::http::{Brief, Request, answer, switch};
+use super::post::{Mail, Post};
 
 /// Time for a browser's request and for taking the answer, both together; time for each message of a page.
 pub(super) const PATIENCE: Duration = Duration::from_secs(5);
@@ -161,20 +162,11 @@ fn connection(
     }
 }
 
-/// Messages on their way to a page.
-pub(super) trait Mailbox: Send + Sync + 'static {
-    /// Waits for the next message; `None` once the page is gone.
-    fn take(&self) -> Option<Message>;
-
-    /// Marks the page as gone.
-    fn close(&self);
-}
-
 /// Speaks with a page until either ends. Reads on this thread, so that a STOP never waits for anything to be sent;
 /// another thread sends the messages of `mail`. `hear` returns whether a text is a message of a page.
-pub(super) fn converse<M: Mailbox>(
+pub(super) fn converse<M: Mail>(
     mut words: WebSocket<TcpStream>,
-    mail: &Arc<M>,
+    mail: &Arc<Post<M>>,
     mut hear: impl FnMut(&str) -> bool,
 ) {
     let write = |out: TcpStream| {

@@ -139,14 +139,8 @@ fn read_plain(label: &str, mut source: Source<impl Read + Seek>) -> Result<Captu
             "changes up to the time that the header states",
         )));
     }
-    let mut capture = Capture {
-        signals: dump.declared.signals,
-        resolution_ns: (clock.tick.0 / clock.tick.1).max(1),
-        end_ns: clock.ns(clock.end),
-        ..Capture::default()
-    };
-    let (signals, end_ns) = (&mut capture.signals, capture.end_ns);
-    signals.iter_mut().for_each(|signal| signal.end(end_ns));
+    let (resolution_ns, end_ns) = (clock.tick.0 / clock.tick.1, clock.ns(clock.end));
+    let mut capture = Capture::of_dump(dump.declared.signals, resolution_ns, end_ns);
     let mut off = None;
     for (tick, is_on) in switched {
         match is_on {
@@ -354,17 +348,11 @@ impl<R: Read + Seek> Dump<R> {
             .is_some_and(|first| time(first) == section.start);
         if is_first && !changes_there {
             let letter = section.frame.get(wanted.letter_at).copied().and_then(level);
-            match letter.ok_or_else(|| damaged("a level of each signal at the beginning"))? {
-                Some(high) => self.changes += usize::from(signal.set(0, high)),
-                None => signal.lose(0),
-            }
+            let level = letter.ok_or_else(|| damaged("a level of each signal at the beginning"))?;
+            self.changes += usize::from(signal.change(0, level));
         }
         for change in changes {
-            let ns = self.clock.ns(time(change));
-            match change.1 {
-                Some(high) => _ = signal.set(ns, high),
-                None => signal.lose(ns),
-            }
+            signal.change(self.clock.ns(time(change)), change.1);
         }
         self.changes += changes.len();
         Ok(())

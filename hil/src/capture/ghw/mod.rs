@@ -53,14 +53,7 @@ pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> 
         return Err(too_long(label, None));
     }
     let end_ns = dump.now / FS_PER_NS;
-    let mut signals = dump.declared.signals;
-    signals.iter_mut().for_each(|signal| signal.end(end_ns));
-    Ok(Capture {
-        signals,
-        resolution_ns: 1,
-        end_ns,
-        ..Capture::default()
-    })
+    Ok(Capture::of_dump(dump.declared.signals, 1, end_ns))
 }
 
 impl<R: Read> Dump<R> {
@@ -158,10 +151,7 @@ impl<R: Read> Dump<R> {
         let ns = self.now / FS_PER_NS;
         while let Some((place, level)) = self.levels.pop_first() {
             let signal = &mut self.declared.signals[place];
-            match level {
-                Some(high) => self.changes += usize::from(signal.set(ns, high)),
-                None => signal.lose(ns),
-            }
+            self.changes += usize::from(signal.change(ns, level));
         }
     }
 

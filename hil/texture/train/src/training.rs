@@ -73,11 +73,9 @@ fn train_on<L: Learning>(
     mut report: impl FnMut(&Progress) -> bool,
 ) -> Result<(Network<Plain>, Progress), Failure> {
     let device = Default::default();
-    let features = windows.recordings.columns.len();
-    let (latent, length, seed) = (settings.latent, windows.length, settings.seed);
-    let mut network = Network::<L>::new(features, latent, length, seed, &device);
+    let mut network = blank::<L>(windows, settings);
     if settings.high_pass {
-        network.hear_what_is_fast(seed);
+        network.hear_what_is_fast(settings.seed);
     }
     let adam = AdamConfig::new().with_epsilon(EPSILON);
     let adam = adam.init::<L, Network<L>>();
@@ -109,7 +107,7 @@ fn train_on<L: Learning>(
         windows,
         aims: Aims::new(known, &windows.recordings.labels(), settings),
         settings,
-        guide: (settings.guided > 0).then(|| Guide::new(windows, &split.train, latent)),
+        guide: (settings.guided > 0).then(|| Guide::new(windows, &split.train, settings.latent)),
         device,
     };
     while state.progress.goes_on(settings) {
@@ -130,8 +128,7 @@ fn train_on<L: Learning>(
             break;
         }
     }
-    let plain = Network::<Plain>::new(features, latent, length, seed, &Default::default());
-    let best = carried::<_, _, FullPrecisionSettings>(state.best, plain)?;
+    let best = carried::<_, _, FullPrecisionSettings>(state.best, blank(windows, settings))?;
     Ok((best, state.progress))
 }
 
@@ -144,10 +141,14 @@ pub fn halved(
     windows: &Windows,
     settings: &Settings,
 ) -> Result<Network<Plain>, Failure> {
+    carried::<_, _, HalfPrecisionSettings>(network, blank(windows, settings))
+}
+
+/// A network that has learned nothing.
+fn blank<B: Backend>(windows: &Windows, settings: &Settings) -> Network<B> {
     let features = windows.recordings.columns.len();
-    let (latent, length) = (settings.latent, windows.length);
-    let plain = Network::new(features, latent, length, settings.seed, &Default::default());
-    carried::<_, _, HalfPrecisionSettings>(network, plain)
+    let (latent, seed) = (settings.latent, settings.seed);
+    Network::new(features, latent, windows.length, seed, &Default::default())
 }
 
 /// Parameters that stay from epoch to epoch.
@@ -233,13 +234,7 @@ impl<L: Learning> Lesson<'_, L> {
 
     /// Mean loss over windows.
     fn judged<B: Recurrent>(&self, network: &Network<B>, places: &[Place]) -> f64 {
-        let mut sum = 0.0;
-        for some in places.chunks(256) {
-            let x = self.windows.batch::<B>(some, &B::Device::default());
-            let loss = self.loss(network, x, some);
-            sum += f64::from(loss.into_scalar().elem::<f32>()) * some.len() as f64;
-        }
-        sum / places.len().max(1) as f64
+        mean(self.windows, places, |x, some| self.loss(network, x, some))
     }
 }
 
@@ -259,20 +254,29 @@ fn difference<B: Backend>(a: Tensor<B, 3>, b: Tensor<B, 3>) -> Tensor<B, 1> {
     (a - b).powi_scalar(2).mean()
 }
 
+/// Mean of a loss over windows, some of them at a time.
+fn mean<B: Backend>(
+    windows: &Windows,
+    places: &[Place],
+    loss: impl Fn(Tensor<B, 3>, &[Place]) -> Tensor<B, 1>,
+) -> f64 {
+    let mut sum = 0.0;
+    for some in places.chunks(256) {
+        let x = windows.batch::<B>(some, &B::Device::default());
+        sum += f64::from(loss(x, some).into_scalar().elem::<f32>()) * some.len() as f64;
+    }
+    sum / places.len().max(1) as f64
+}
+
 /// Mean squared error over windows.
 pub fn reconstruction<B: Recurrent>(
     network: &Network<B>,
     windows: &Windows,
     places: &[Place],
 ) -> f64 {
-    let device = B::Device::default();
-    let mut sum = 0.0;
-    for some in places.chunks(256) {
-        let x = windows.batch::<B>(some, &device);
-        let error = difference(network.decode(network.encode(x.clone()), windows.length), x);
-        sum += f64::from(error.into_scalar().elem::<f32>()) * some.len() as f64;
-    }
-    sum / places.len().max(1) as f64
+    mean(windows, places, |x, _| {
+        difference(network.decode(network.encode(x.clone()), windows.length), x)
+    })
 }
 
 /// Latent vectors of windows, one after another.

@@ -1,10 +1,12 @@
 //! State that the clients of a run and the run share: its topics, and who listens.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tungstenite::Message;
+
+use crate::lock::held;
 
 use super::client::Client;
 use super::words::{Channel, Level, Said, advertise, server_info, status, time, unadvertise};
@@ -27,11 +29,6 @@ pub(super) struct Topics {
     /// Messages from before the run's first moment, which every subscriber of their topic gets: topic, time in nanoseconds and
     /// payload.
     pub first: Vec<(u32, u64, Vec<u8>)>,
-}
-
-/// Locks, whatever became of the thread that had the lock.
-fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
-    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Hub {
