@@ -17,11 +17,10 @@ use palpate_files::{
 };
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
-use palpate_live::recording::{Reading, Recorded};
+use palpate_live::recording::{Reading, Recorded, ahead};
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
-use super::ahead::ahead;
 use super::rate::rate_of;
 
 /// `--threshold per-taxel`, as scenes have it by default.
@@ -40,6 +39,9 @@ struct Row {
 
 /// Most contacts that are held, 40 bytes each; where there are more, the recording is read again for the output.
 const HELD: usize = 1 << 19;
+
+/// Contacts that become text together.
+const ROWS: usize = 1024;
 
 /// Prints the contacts of every frame after the reference.
 ///
@@ -125,8 +127,9 @@ fn write_csv(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     contacts_csv::write_header(&[], &mut *out)?;
+    let mut rows = Vec::with_capacity(ROWS);
     found.each(&mut |row| {
-        let contact = event::Contact {
+        rows.push(event::Contact {
             t_us: row.time_us,
             frame: row.frame,
             module: row.contact.module,
@@ -135,9 +138,14 @@ fn write_csv(
             intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
             level: level(&row.contact),
             members: row.contact.members,
-        };
-        contacts_csv::write_rows([&contact], &[], &mut *out)
-    })
+        });
+        if rows.len() == ROWS {
+            contacts_csv::write_rows(&rows, &[], &mut *out)?;
+            rows.clear();
+        }
+        Ok(())
+    })?;
+    contacts_csv::write_rows(&rows, &[], out)
 }
 
 fn write_list(
