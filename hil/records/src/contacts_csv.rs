@@ -19,9 +19,9 @@ const CHUNK: usize = 4096;
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
+pub fn write_table(trace: &Trace, out: &mut dyn Write) -> io::Result<()> {
     let displays = &trace.header.displays;
-    write_header(displays, &mut out)?;
+    write_header(displays, out)?;
     write_rows(trace.each(), displays, out)
 }
 
@@ -29,7 +29,7 @@ pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_header(displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
+pub fn write_header(displays: &[DisplayInfo], out: &mut dyn Write) -> io::Result<()> {
     match displays {
         [] => writeln!(out, "{HEADER}"),
         _ => writeln!(out, "{HEADER},{DISPLAY}"),
@@ -49,7 +49,7 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
 pub fn write_rows<'a>(
     contacts: impl IntoIterator<Item = &'a event::Contact>,
     displays: &[DisplayInfo],
-    mut out: impl Write,
+    out: &mut dyn Write,
 ) -> io::Result<()> {
     let mut contacts = contacts.into_iter().peekable();
     while contacts.peek().is_some() {

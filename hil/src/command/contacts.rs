@@ -126,7 +126,7 @@ fn write_csv(
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    contacts_csv::write_header(&[], &mut *out)?;
+    contacts_csv::write_header(&[], out)?;
     let mut rows = Vec::with_capacity(ROWS);
     found.each(&mut |row| {
         rows.push(event::Contact {
@@ -140,7 +140,7 @@ fn write_csv(
             members: row.contact.members,
         });
         if rows.len() == ROWS {
-            contacts_csv::write_rows(&rows, &[], &mut *out)?;
+            contacts_csv::write_rows(&rows, &[], out)?;
             rows.clear();
         }
         Ok(())
