@@ -1,6 +1,5 @@
 //! The `hil` library: everything behind the command line.
 
-pub mod capture;
 pub mod cli;
 pub mod command;
 pub mod history;

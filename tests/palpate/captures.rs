@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
+use palpate_capture::{Capture, Comparison, Signal, compare};
 use palpate_files::Setup;
-use palpate_hil::capture::{Capture, Comparison, Signal, compare};
 use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::Verdict;
 use palpate_run::{Input, run};

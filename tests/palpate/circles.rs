@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 15] = [
+const CRATES: [&str; 16] = [
     "core",
     "core/unit",
     "emulators",
     "fixtures",
     "hil",
     "hil/buses",
+    "hil/capture",
     "hil/files",
     "hil/link",
     "hil/live",

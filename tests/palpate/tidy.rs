@@ -73,6 +73,7 @@ fn dependencies_run_one_way() {
         ("hil/records", &["core"]),
         ("hil/buses", &["core", "emulators"]),
         ("hil/run", &["core", "emulators", "files", "records"]),
+        ("hil/capture", &["core", "files", "records", "run"]),
         ("hil/study", &["core", "files"]),
         (
             "hil/texture",
@@ -99,6 +100,7 @@ fn dependencies_run_one_way() {
             "hil",
             &[
                 "buses",
+                "capture",
                 "core",
                 "emulators",
                 "files",

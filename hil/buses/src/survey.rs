@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 use nix::errno::Errno;
 use palpate_core::units::{Duration, Instant};
 use serde::Serialize;
-use socketcan::nl::CanState;
-use socketcan::{CanInterface, CanSocket, Socket};
+use socketcan::{CanSocket, Socket};
 
-use crate::can::is_up;
+use crate::can::{CanState, Controller, is_up};
 use crate::guardian::{Latch, Sweeper, Watch, WatchedBus, haptics, stops_folder};
 use crate::hardware::Hardware;
 use crate::i2c::{Line, LinuxAdapter, number};
@@ -124,12 +123,11 @@ fn look_at_can(wanted: Option<&[String]>) -> Vec<Finding> {
             };
             return Finding::bad(ABOUT, says, format!("there are: {list}"));
         }
-        let details = CanInterface::open(name).and_then(|i| i.details()).ok();
-        let can = details.map(|d| d.can);
-        let bitrate = can
-            .as_ref()
-            .and_then(|can| can.bit_timing)
-            .map(|timing| timing.bitrate);
+        let Controller {
+            bitrate,
+            state,
+            restart_ms,
+        } = Controller::ask(name).unwrap_or_default();
         if !is_up(name) {
             let kind = if bitrate.is_some() {
                 " type can bitrate 1000000 restart-ms 100"
@@ -142,7 +140,6 @@ fn look_at_can(wanted: Option<&[String]>) -> Vec<Finding> {
                 format!("ip link set {name} up{kind}"),
             );
         }
-        let state = can.as_ref().and_then(|can| can.state);
         if state == Some(CanState::BusOff) {
             return Finding::bad(
                 ABOUT,
@@ -157,7 +154,7 @@ fn look_at_can(wanted: Option<&[String]>) -> Vec<Finding> {
             };
             return Finding::good(ABOUT, format!("{name}: up, {kind}"));
         };
-        let restart = can.and_then(|can| can.restart_ms).unwrap_or(0);
+        let restart = restart_ms.unwrap_or(0);
         let says = format!(
             "{name}: up, {bitrate} bit/s, {}, restart-ms {restart}",
             state.map_or("state unknown".into(), |s| format!("{s:?}"))

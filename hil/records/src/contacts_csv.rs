@@ -19,9 +19,9 @@ const CHUNK: usize = 4096;
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
+pub fn write_table(trace: &Trace, out: &mut dyn Write) -> io::Result<()> {
     let displays = &trace.header.displays;
-    write_header(displays, &mut out)?;
+    write_header(displays, out)?;
     write_rows(trace.each(), displays, out)
 }
 
@@ -29,7 +29,7 @@ pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_header(displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
+pub fn write_header(displays: &[DisplayInfo], out: &mut dyn Write) -> io::Result<()> {
     match displays {
         [] => writeln!(out, "{HEADER}"),
         _ => writeln!(out, "{HEADER},{DISPLAY}"),
@@ -49,9 +49,19 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
 pub fn write_rows<'a>(
     contacts: impl IntoIterator<Item = &'a event::Contact>,
     displays: &[DisplayInfo],
-    mut out: impl Write,
+    out: &mut dyn Write,
 ) -> io::Result<()> {
-    let row = |c: &event::Contact| {
+    let mut contacts = contacts.into_iter().peekable();
+    while contacts.peek().is_some() {
+        let chunk: Vec<&event::Contact> = contacts.by_ref().take(CHUNK).collect();
+        out.write_all(text(&chunk, displays).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Rows as text, compiled once for all sources of contacts.
+fn text(contacts: &[&event::Contact], displays: &[DisplayInfo]) -> String {
+    as_csv(contacts.iter().map(|c| {
         let place = [c.place.x, c.place.y].map(|um| milli(i64::from(um)));
         let intensity = milli_u(u64::from(c.intensity_milli));
         let display = (!displays.is_empty()).then(|| display_of(displays, c.module));
@@ -60,13 +70,7 @@ pub fn write_rows<'a>(
             (place, intensity, c.level, c.members),
             Vec::from_iter(display),
         )
-    };
-    let mut rows = contacts.into_iter().map(row).peekable();
-    while rows.peek().is_some() {
-        let text = as_csv(rows.by_ref().take(CHUNK));
-        out.write_all(text.as_bytes())?;
-    }
-    Ok(())
+    }))
 }
 
 #[cfg(test)]

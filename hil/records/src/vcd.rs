@@ -20,7 +20,7 @@ const KINDS: usize = 5;
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_vcd(trace: &Trace, out: impl Write) -> io::Result<()> {
+pub fn write_vcd(trace: &Trace, out: &mut dyn Write) -> io::Result<()> {
     let mut vcd = Vcd::begin(&trace.header, out)?;
     vcd.events(&trace.events)?;
     vcd.finish(trace.ledger.length_us.saturating_mul(1000))

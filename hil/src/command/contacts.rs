@@ -14,11 +14,10 @@ use crate::cli::{ContactsArgs, StaleArg};
 use palpate_files::{Columns, Rows, Timing, is_stream, load_skin};
 use palpate_live::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use palpate_live::progress::Progress;
-use palpate_live::recording::{Reading, Recorded};
+use palpate_live::recording::{Reading, Recorded, ahead};
 use palpate_run::plan;
 use palpate_run::{Failure, Finder, Intensities, Search};
 
-use super::ahead::ahead;
 use super::rate::rate_of;
 
 /// A contact of a row before levels are known.
@@ -50,6 +49,9 @@ impl Row {
 
 /// Most contacts that are held, 40 bytes each; where there are more, the recording is read again for the output.
 const HELD: usize = 1 << 19;
+
+/// Contacts that become text together.
+const ROWS: usize = 1024;
 
 /// Prints the contacts of every frame after the reference.
 ///
@@ -134,11 +136,17 @@ fn write_csv(
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    contacts_csv::write_header(&[], &mut *out)?;
+    contacts_csv::write_header(&[], out)?;
+    let mut rows = Vec::with_capacity(ROWS);
     found.each(&mut |row| {
-        let contact = row.recorded(level(&row.contact));
-        contacts_csv::write_rows([&contact], &[], &mut *out)
-    })
+        rows.push(row.recorded(level(&row.contact)));
+        if rows.len() == ROWS {
+            contacts_csv::write_rows(&rows, &[], out)?;
+            rows.clear();
+        }
+        Ok(())
+    })?;
+    contacts_csv::write_rows(&rows, &[], out)
 }
 
 fn write_list(

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
+use palpate_records::diff::{Tolerance, compare, tell};
 use palpate_records::story::Story;
 use palpate_records::verdict::Verdict;
 
@@ -14,6 +14,7 @@ use super::schedules::{MOST, read_log, wires};
 use crate::cli::{Color, DiffArgs};
 use palpate_files::{FileError, Format, LONGEST_LINE, Lines, Text, format_of};
 use palpate_live::output::{note, print, print_json};
+use palpate_live::recording::compare_recordings;
 use palpate_run::{Failure, damaged};
 
 /// Files of a run's folder that `diff` compares.
@@ -105,7 +106,10 @@ fn found(args: &DiffArgs, path_a: &Path, path_b: &Path) -> Result<Told, Failure>
                 0 => Tolerance::default(),
                 _ => bands,
             };
-            let found = contacts(([path_a, path_b], a, b), tolerance)?;
+            let found = compare_recordings(a, b, tolerance)?;
+            for lines in [a, b] {
+                lines.note().iter().for_each(|text| note(text));
+            }
             Ok(("contacts".to_owned(), found, None))
         }
         (File::Story(a), File::Story(b)) if a.kind == b.kind => {
@@ -183,31 +187,6 @@ impl File {
             Self::Contacts(_) => "contact recording",
         }
     }
-}
-
-/// Two recordings, side by side.
-fn contacts(
-    ([path_a, path_b], a, b): ([&Path; 2], &mut Lines<fs::File>, &mut Lines<fs::File>),
-    tolerance: Tolerance,
-) -> Result<Vec<Difference>, FileError> {
-    let found = {
-        let mut a = reader(path_a, a)?;
-        let mut b = reader(path_b, b)?;
-        compare_contacts(&mut a, &mut b, tolerance)?
-    };
-    for lines in [a, b] {
-        lines.note().iter().for_each(|text| note(text));
-    }
-    Ok(found)
-}
-
-fn reader<'a>(
-    path: &Path,
-    lines: &'a mut Lines<fs::File>,
-) -> Result<Contacts<'a, FileError>, FileError> {
-    let label = path.display().to_string();
-    let next = || Ok(lines.advance()?.map(|(_, line)| line.to_owned()));
-    Contacts::new(next, move |damage| damaged(&label, damage))
 }
 
 /// Opens a golden, or by its first characters a schedule or recorded contacts.

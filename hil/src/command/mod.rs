@@ -1,6 +1,5 @@
 //! One function a command: arguments in, files and text out.
 
-mod ahead;
 mod calibrate;
 mod check;
 mod compare;

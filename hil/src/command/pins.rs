@@ -7,10 +7,11 @@ use palpate_records::schedule::read_schedule;
 use palpate_records::verdict::Verdict;
 
 use super::schedules::{read_log, wires};
-use crate::capture::{self, Comparison, Measurement};
 use crate::cli::{Color, DiffArgs};
+use palpate_capture::{Comparison, Measurement};
 use palpate_files::{Format, LONGEST_LINE, Lines, format_of};
 use palpate_live::output::{note, print, print_json};
+use palpate_live::progress::Progress;
 use palpate_run::{Failure, damaged};
 
 /// Tells whether the second of two files is a capture, by its first bytes or its name. A CSV is one beside a schedule, and contacts
@@ -36,8 +37,10 @@ pub(super) fn pins(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     let lines = Lines::open(&args.a, "a schedule (.jsonl)", LONGEST_LINE)?;
     let text = read_log(lines)?;
     let trace = read_schedule(&text, wires).map_err(|damage| damaged(label, damage))?;
-    let seen = capture::read(&args.b)?;
-    let found = capture::compare(&trace, &seen, &args.pin, args.window)?;
+    let shown = Progress::reading(&args.b);
+    let seen = palpate_capture::read(&args.b)?;
+    drop(shown);
+    let found = palpate_capture::compare(&trace, &seen, &args.pin, args.window)?;
     if args.json {
         print_json(&found)?;
     } else if !args.quiet {

@@ -12,11 +12,11 @@ use nix::errno::Errno;
 use nix::net::if_::{if_indextoname, if_nametoindex};
 use palpate_core::bus::Received;
 use palpate_core::codec::can::CanFrame;
-use socketcan::CanInterface;
 use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;
 use tokio::sync::mpsc::{Receiver, Sender, UnboundedSender};
 
+use super::controller::{Controller, restart};
 use super::errors::{Change, Tally};
 use super::socket::{Content, Endpoint};
 use super::stamp::Stamps;
@@ -283,10 +283,11 @@ impl Interface {
 
     /// Restarts a controller that the kernel will not restart by itself.
     fn restart(&mut self) {
-        let Ok(interface) = CanInterface::open(&self.name) else {
-            return;
+        let restart_ms = match Controller::ask(&self.name) {
+            Err(Errno::ENODEV) => return,
+            asked => asked.ok().and_then(|controller| controller.restart_ms),
         };
-        if interface.restart_ms().ok().flatten().unwrap_or(0) > 0 {
+        if restart_ms.unwrap_or(0) > 0 {
             return; // it restarts by itself, and says so by an error frame
         }
         // An adapter on a serial line has no device of its own and knows no restart; kernels that do not check
@@ -297,7 +298,7 @@ impl Interface {
             .exists();
         if !knows_restart {
             self.stays_off("`ip link set NAME down; ip link set NAME up`");
-        } else if interface.restart().is_err() {
+        } else if restart(&self.name).is_err() {
             self.stays_off("`ip link set NAME type can restart` (now), `ip link set NAME type can restart-ms 100` (always, while it is down)");
         }
     }

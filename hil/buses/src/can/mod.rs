@@ -3,11 +3,13 @@
 //! An interface that goes down, is renamed or unplugged, or a controller that goes bus-off, ends nothing here: it
 //! becomes a note, the frames stop, and the loop's watchdog answers the silence.
 
+mod controller;
 mod errors;
 mod interface;
 mod socket;
 mod stamp;
 
+pub(crate) use controller::{CanState, Controller};
 pub use errors::Tally;
 pub use interface::is_up;
 pub use socket::Endpoint;

@@ -95,10 +95,10 @@ pub(super) fn write(
     make_folder(folder)?;
     let outputs = Outputs::new(force);
     outputs.write(&folder.join(name), Format::Contacts, |out| {
-        write_header(&[], &mut *out)?;
+        write_header(&[], out)?;
         frames
             .iter()
-            .try_for_each(|frame| write_rows(&frame.contacts, &[], &mut *out))
+            .try_for_each(|frame| write_rows(&frame.contacts, &[], out))
     })
 }
 

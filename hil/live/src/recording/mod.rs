@@ -2,22 +2,28 @@
 //! candump logs and MCAP.
 #![forbid(unsafe_code)]
 
+mod ahead;
 mod can_log;
+mod contacts;
 mod joints;
 mod part;
 mod pass;
 mod recorded;
 mod stream;
+mod survey;
 mod taxel_csv;
 mod taxel_write;
 
 #[cfg(test)]
 mod tests;
 
+pub use ahead::{Each, ahead};
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
+pub use contacts::compare_recordings;
 pub use joints::read_joints;
 pub use recorded::Recorded;
 pub use stream::ReadingStream;
+pub use survey::Survey;
 pub use taxel_csv::{Reading, read_taxel_csv};
 pub use taxel_write::write_taxel_csv;
 

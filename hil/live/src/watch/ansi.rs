@@ -2,26 +2,22 @@
 
 use std::io::{self, Write};
 
-use ratatui_core::buffer::{Buffer, Cell};
-use ratatui_core::style::{Color, Modifier};
+use super::grid::{Cell, Color, Grid};
 
 /// A terminal behind a stream.
 #[derive(Debug)]
 pub struct Ansi<W> {
     out: W,
     /// The cells that the screen shows.
-    shown: Buffer,
+    shown: Grid,
 }
 
-/// Colours by their number in the palette of 256; everything else is the terminal's own.
-fn color(color: Color, base: u8) -> String {
+fn color(color: Color) -> String {
     match color {
-        Color::Indexed(n) => format!(";{};5;{n}", base + 8),
-        Color::Red => format!(";{}", base + 1),
-        Color::Green => format!(";{}", base + 2),
-        Color::Yellow => format!(";{}", base + 3),
-        Color::DarkGray => format!(";{}", base + 60),
-        _ => String::new(),
+        Color::Indexed(n) => format!(";38;5;{n}"),
+        Color::Yellow => ";33".into(),
+        Color::DarkGray => ";90".into(),
+        Color::Plain => String::new(),
     }
 }
 
@@ -30,7 +26,7 @@ impl<W: Write> Ansi<W> {
     pub fn new(out: W) -> Self {
         Self {
             out,
-            shown: Buffer::default(),
+            shown: Grid::default(),
         }
     }
 
@@ -38,12 +34,14 @@ impl<W: Write> Ansi<W> {
     ///
     /// # Errors
     /// The stream's error.
-    pub fn show(&mut self, picture: Buffer) -> io::Result<()> {
-        if self.shown.area != picture.area {
+    pub fn show(&mut self, picture: Grid) -> io::Result<()> {
+        let size = (picture.columns, picture.rows);
+        if (self.shown.columns, self.shown.rows) != size {
             self.out.write_all(b"\x1b[2J")?;
-            self.shown = Buffer::empty(picture.area);
+            self.shown = Grid::new(size);
         }
-        self.draw(&self.shown.diff(&picture))?;
+        let changes: Vec<_> = self.shown.changes(&picture).collect();
+        self.draw(&changes)?;
         self.shown = picture;
         self.out.flush()
     }
@@ -52,28 +50,26 @@ impl<W: Write> Ansi<W> {
         let mut next = None;
         let mut style = String::new();
         for &(x, y, cell) in cells {
+            // The left half of a wide character shows the right one too.
+            let Some(symbol) = cell.symbol else { continue };
             if next != Some((x, y)) {
                 write!(self.out, "\x1b[{};{}H", y + 1, x + 1)?;
             }
             next = Some((x + 1, y));
             let mut wanted = String::from("\x1b[0");
-            for (modifier, code) in [
-                (Modifier::BOLD, ";1"),
-                (Modifier::DIM, ";2"),
-                (Modifier::REVERSED, ";7"),
-            ] {
-                if cell.modifier.contains(modifier) {
+            let look = cell.style;
+            for (wears, code) in [(look.bold, ";1"), (look.dim, ";2"), (look.reversed, ";7")] {
+                if wears {
                     wanted.push_str(code);
                 }
             }
-            wanted.push_str(&color(cell.fg, 30));
-            wanted.push_str(&color(cell.bg, 40));
+            wanted.push_str(&color(look.color));
             wanted.push('m');
             if wanted != style {
                 self.out.write_all(wanted.as_bytes())?;
                 style = wanted;
             }
-            self.out.write_all(cell.symbol().as_bytes())?;
+            write!(self.out, "{symbol}")?;
         }
         self.out.write_all(b"\x1b[0m")
     }

@@ -1,11 +1,14 @@
 //! What goes to a terminal.
 
+use super::super::grid::Style;
 use super::*;
 
 #[test]
 fn cells_in_a_row_need_one_position_and_one_style() {
-    let mut hot = Cell::new("#");
-    hot.fg = Color::Indexed(196);
+    let hot = Cell {
+        symbol: Some('#'),
+        style: Style::of_color(Color::Indexed(196)),
+    };
     let mut ansi = Ansi::new(Vec::new());
     let cells = [(3, 1, &hot), (4, 1, &hot), (0, 2, &Cell::EMPTY)];
     ansi.draw(&cells).unwrap();

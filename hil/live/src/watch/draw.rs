@@ -1,9 +1,6 @@
 //! A view on a grid of characters: skin on the left, contacts and wires on the right, the story below.
 
-use ratatui_core::buffer::Buffer;
-use ratatui_core::layout::Rect;
-use ratatui_core::style::{Color, Modifier, Style};
-
+use super::grid::{Color, Grid, Style};
 use super::heat::{Raster, look};
 use super::view::View;
 
@@ -18,11 +15,17 @@ const CONTACTS: usize = 4;
 const WIRES: usize = 8;
 
 fn bold() -> Style {
-    Style::new().add_modifier(Modifier::BOLD)
+    Style {
+        bold: true,
+        ..Style::default()
+    }
 }
 
 fn dim() -> Style {
-    Style::new().add_modifier(Modifier::DIM)
+    Style {
+        dim: true,
+        ..Style::default()
+    }
 }
 
 fn seconds(us: u64) -> String {
@@ -35,22 +38,22 @@ fn celsius(milli: Option<i32>) -> String {
 }
 
 /// Draws a view on so many columns and rows; `raster` is the skin's, made for [`skin`].
-pub fn draw(view: &View, raster: &Raster, (columns, rows): (u16, u16)) -> Buffer {
-    let mut buffer = Buffer::empty(Rect::new(0, 0, columns, rows));
+pub fn draw(view: &View, raster: &Raster, (columns, rows): (u16, u16)) -> Grid {
+    let mut grid = Grid::new((columns, rows));
     if columns < SMALLEST.0 || rows < SMALLEST.1 {
         let text = format!(
             "80x24 needed, {columns}x{rows} here; the run goes on ({} s)",
             seconds(view.now_us)
         );
-        line(&mut buffer, 0, 0, &text, Style::new());
-        return buffer;
+        grid.put(0, 0, &text, Style::default());
+        return grid;
     }
-    head(view, &mut buffer);
-    skin(view, raster, &mut buffer);
-    contacts(view, &mut buffer);
-    wires(view, &mut buffer);
-    foot(view, &mut buffer);
-    buffer
+    head(view, &mut grid);
+    skin(view, raster, &mut grid);
+    contacts(view, &mut grid);
+    wires(view, &mut grid);
+    foot(view, &mut grid);
+    grid
 }
 
 /// Cells for the skin.
@@ -58,57 +61,42 @@ pub const fn skin_size() -> (u16, u16) {
     SKIN
 }
 
-/// Text that ends where the screen does.
-fn line(buffer: &mut Buffer, x: u16, y: u16, text: &str, style: Style) {
-    let Rect { width, height, .. } = buffer.area;
-    if y < height && x < width {
-        buffer.set_stringn(x, y, text, usize::from(width - x), style);
-    }
-}
-
-fn head(view: &View, buffer: &mut Buffer) {
-    line(buffer, 0, 0, &view.title, bold());
+fn head(view: &View, grid: &mut Grid) {
+    grid.put(0, 0, &view.title, bold());
     let time = format!("{} of {} s", seconds(view.now_us), seconds(view.end_us));
-    let x = buffer.area.width.saturating_sub(time.len() as u16);
-    line(buffer, x.saturating_sub(1), 0, " ", bold());
-    line(buffer, x, 0, &time, bold());
+    let x = grid.columns.saturating_sub(time.len() as u16);
+    grid.put(x.saturating_sub(1), 0, " ", bold());
+    grid.put(x, 0, &time, bold());
     let counts = format!(
         "{} frames at {:.1} Hz   {} stimuli",
         view.frames,
         view.rate_hz(),
         view.stimuli
     );
-    line(buffer, 0, 1, &counts, Style::new());
+    grid.put(0, 1, &counts, Style::default());
     if let Some((display, of)) = view.which {
         let text = format!("display {} of {of}; Tab shows the next", display + 1);
-        line(buffer, 0, 2, &text, Style::new());
+        grid.put(0, 2, &text, Style::default());
     }
     if !view.texture.is_empty() {
         let text = format!("texture {}", view.texture);
-        line(buffer, 0, 2, &text, Style::new());
+        grid.put(0, 2, &text, Style::default());
     }
     let style = match view.limited {
-        0 => Style::new(),
-        _ => Style::new().fg(Color::Yellow),
+        0 => Style::default(),
+        _ => Style::of_color(Color::Yellow),
     };
-    line(
-        buffer,
-        RIGHT,
-        1,
-        &format!("{} limiter events", view.limited),
-        style,
-    );
+    grid.put(RIGHT, 1, &format!("{} limiter events", view.limited), style);
 }
 
-fn skin(view: &View, raster: &Raster, buffer: &mut Buffer) {
+fn skin(view: &View, raster: &Raster, grid: &mut Grid) {
     let peak = view
         .counts
         .iter()
         .copied()
         .filter(|c| c.is_finite())
         .fold(0.0, f32::max);
-    line(
-        buffer,
+    grid.put(
         0,
         3,
         &format!("{} taxels, at most {peak:.0} counts", view.taxels.len()),
@@ -119,21 +107,24 @@ fn skin(view: &View, raster: &Raster, buffer: &mut Buffer) {
             if let Some(counts) = raster.counts(column, row, &view.counts) {
                 let (shade, color) = look(counts, peak);
                 let text: String = [shade, shade].iter().collect();
-                line(buffer, 2 * column, 4 + row, &text, Style::new().fg(color));
+                grid.put(2 * column, 4 + row, &text, Style::of_color(color));
             }
         }
     }
     for contact in &view.contacts {
         let (column, row) = raster.cell(view.place(contact));
         let digit = format!("{:02}", contact.id % 100);
-        let style = bold().add_modifier(Modifier::REVERSED);
-        line(buffer, 2 * column, 4 + row, &digit, style);
+        let style = Style {
+            reversed: true,
+            ..bold()
+        };
+        grid.put(2 * column, 4 + row, &digit, style);
     }
 }
 
-fn contacts(view: &View, buffer: &mut Buffer) {
+fn contacts(view: &View, grid: &mut Grid) {
     let title = "contact module    x mm    y mm  counts lvl";
-    line(buffer, RIGHT, 3, title, dim());
+    grid.put(RIGHT, 3, title, dim());
     for (y, contact) in (4..).zip(view.contacts.iter().take(CONTACTS)) {
         let mm = |um: i32| f64::from(um) / 1e3;
         let text = format!(
@@ -145,23 +136,22 @@ fn contacts(view: &View, buffer: &mut Buffer) {
             contact.counts,
             contact.level
         );
-        line(buffer, RIGHT, y, &text, Style::new());
+        grid.put(RIGHT, y, &text, Style::default());
     }
-    more(buffer, 4, view.contacts.len(), CONTACTS);
+    more(grid, 4, view.contacts.len(), CONTACTS);
 }
 
 /// Writes the number of rows that a table has no room for, in the row below it.
-fn more(buffer: &mut Buffer, top: u16, there: usize, shown: usize) {
+fn more(grid: &mut Grid, top: u16, there: usize, shown: usize) {
     if there > shown {
         let text = format!("   and {} more", there - shown);
-        line(buffer, RIGHT, top + shown as u16, &text, dim());
+        grid.put(RIGHT, top + shown as u16, &text, dim());
     }
 }
 
-fn wires(view: &View, buffer: &mut Buffer) {
+fn wires(view: &View, grid: &mut Grid) {
     const TOP: u16 = 10;
-    line(
-        buffer,
+    grid.put(
         RIGHT,
         TOP - 1,
         "wire  output   duty         wire C  skin C",
@@ -186,41 +176,35 @@ fn wires(view: &View, buffer: &mut Buffer) {
             celsius(wire.wire_mc),
             celsius(wire.skin_mc)
         );
-        let style = if driven { bold() } else { Style::new() };
-        line(buffer, RIGHT, y, &text, style);
+        let style = if driven { bold() } else { Style::default() };
+        grid.put(RIGHT, y, &text, style);
     }
-    more(buffer, TOP, view.wires.len(), WIRES);
+    more(grid, TOP, view.wires.len(), WIRES);
 }
 
-fn foot(view: &View, buffer: &mut Buffer) {
-    let bottom = buffer.area.height;
+fn foot(view: &View, grid: &mut Grid) {
+    let bottom = grid.rows;
     let top = 4 + SKIN.1;
     let buses = view.buses.len().min(2);
     for (y, bus) in (top..).zip(view.buses.iter().take(buses)) {
-        line(buffer, 0, y, bus, Style::new());
+        grid.put(0, y, bus, Style::default());
     }
     if view.buses.len() > buses {
         let text = format!("and {} buses more", view.buses.len() - buses);
-        line(buffer, 60, top + 1, &text, dim());
+        grid.put(60, top + 1, &text, dim());
     }
     let first = top + buses as u16;
     let rows = usize::from(bottom.saturating_sub(first));
     let skip = view.story.len().saturating_sub(rows);
     for (y, (t_us, text)) in (first..).zip(view.story.iter().skip(skip)) {
         let style = if text.starts_with("limiter") {
-            Style::new().fg(Color::Yellow)
+            Style::of_color(Color::Yellow)
         } else {
-            Style::new()
+            Style::default()
         };
-        line(
-            buffer,
-            0,
-            y,
-            &format!("{:>9} {text}", seconds(*t_us)),
-            style,
-        );
+        grid.put(0, y, &format!("{:>9} {text}", seconds(*t_us)), style);
     }
     let hint = "q ends the run";
-    let x = buffer.area.width - hint.len() as u16;
-    line(buffer, x, 2, hint, dim());
+    let x = grid.columns - hint.len() as u16;
+    grid.put(x, 2, hint, dim());
 }

@@ -1,7 +1,8 @@
 //! The skin as a raster of characters: the taxels of a cell, and its shade.
 
 use palpate_records::trace::PlaceUm;
-use ratatui_core::style::Color;
+
+use super::grid::Color;
 
 /// Shades from nothing to the strongest; a terminal without colours shows them too.
 const SHADES: [char; 10] = ['.', ',', ':', '-', '=', '+', '*', '#', '%', '@'];

@@ -3,6 +3,7 @@
 
 mod ansi;
 mod draw;
+mod grid;
 mod heat;
 mod view;
 

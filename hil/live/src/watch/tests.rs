@@ -4,8 +4,8 @@ use insta::assert_snapshot;
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Ticks};
 use palpate_records::trace::PlaceUm;
-use ratatui_core::buffer::Cell;
 
+use super::grid::Cell;
 use super::*;
 use palpate_files::Setup;
 use palpate_run::plan;
@@ -35,9 +35,14 @@ fn at(scene: &str, t_us: u64) -> View {
 fn screen(view: &View, columns: u16, rows: u16) -> String {
     let (width, height) = skin_size();
     let raster = Raster::new(&view.taxels, width, height);
-    let buffer = draw(view, &raster, (columns, rows));
-    let rows = buffer.content.chunks(usize::from(columns));
-    let row = |cells: &[Cell]| cells.iter().map(Cell::symbol).collect::<String>();
+    let grid = draw(view, &raster, (columns, rows));
+    let rows = grid.cells.chunks(usize::from(columns));
+    let row = |cells: &[Cell]| {
+        cells
+            .iter()
+            .filter_map(|cell| cell.symbol)
+            .collect::<String>()
+    };
     rows.map(|cells| format!("\"{}\"\n", row(cells))).collect()
 }
 

@@ -65,7 +65,7 @@ pub fn write_mcap(
     (trace, readings): (&Trace, Option<&Readings>),
     traffic: BusTraffic<'_>,
     attachments: &[Attachment],
-    out: impl Write,
+    out: &mut dyn Write,
 ) -> io::Result<()> {
     let modules = readings.map_or(&[][..], Readings::modules);
     let taxels = readings.map_or(&[][..], Readings::frames);

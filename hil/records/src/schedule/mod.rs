@@ -146,8 +146,8 @@ impl Record {
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
-    write_header(&trace.header, &mut out)?;
+pub fn write_schedule(trace: &Trace, out: &mut dyn Write) -> io::Result<()> {
+    write_header(&trace.header, out)?;
     write_records(&trace.events, trace.header.pre_scale.period_ns(), out)
 }
 
@@ -155,8 +155,8 @@ pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
-    serde_json::to_writer(&mut out, &HeaderLine::new(header))?;
+pub fn write_header(header: &Header, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, &HeaderLine::new(header))?;
     out.write_all(b"\n")
 }
 
@@ -165,9 +165,9 @@ pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
 ///
 /// # Errors
 /// The writer's error.
-pub fn write_records(events: &[Event], period_ns: u64, mut out: impl Write) -> io::Result<()> {
+pub fn write_records(events: &[Event], period_ns: u64, out: &mut dyn Write) -> io::Result<()> {
     for (_, record) in sorted(events, period_ns) {
-        serde_json::to_writer(&mut out, &record)?;
+        serde_json::to_writer(&mut *out, &record)?;
         out.write_all(b"\n")?;
     }
     Ok(())

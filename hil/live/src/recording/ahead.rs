@@ -19,13 +19,13 @@ struct Batch {
 }
 
 /// Work on a row: its time in microseconds, and its counts.
-type Each<'a> = dyn FnMut(u64, &[u16]) -> Result<(), Failure> + 'a;
+pub type Each<'a> = dyn FnMut(u64, &[u16]) -> Result<(), Failure> + 'a;
 
 /// Hands every row to `each`, in the order of the file; returns the table, read to its end.
 ///
 /// # Errors
 /// The first error of the file or of `each`, whichever comes first in the file.
-pub(super) fn ahead(rows: Rows<Input>, each: &mut Each<'_>) -> Result<Rows<Input>, Failure> {
+pub fn ahead(rows: Rows<Input>, each: &mut Each<'_>) -> Result<Rows<Input>, Failure> {
     let (full, coming) = sync_channel(AHEAD);
     let (back, empty) = channel();
     thread::scope(|scope| {

@@ -3,6 +3,8 @@
 //! A capture knows neither the run's clock nor the chip's oscillator: both are found from its pulses. The rest is
 //! measured: frequency, pulse width, phase, blank periods, missing and stray pulses. Parts of the plan that the capture
 //! lacks are counted too: without them there is no good verdict.
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
 
 mod align;
 mod compare;
@@ -27,8 +29,6 @@ pub use edges::{Capture, Signal};
 use std::path::Path;
 
 use palpate_files::{FileError, Format, format_of, open};
-
-use palpate_live::progress::Progress;
 
 /// Most changes of all signals of a capture, 16 bytes each.
 const MOST_CHANGES: usize = 4 << 20;
@@ -59,7 +59,6 @@ pub fn read(path: &Path) -> Result<Capture, FileError> {
         Some(Format::Toml) | None => Format::Vcd,
         Some(format) => format,
     };
-    let _shown = Progress::reading(path);
     let file = || open(path, expected);
     let capture = match format {
         Format::Csv => csv::read(&label, file()?)?,
