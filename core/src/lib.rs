@@ -20,7 +20,6 @@ pub mod driver;
 pub mod guard;
 #[cfg(feature = "projector")]
 pub mod illusion;
-#[cfg(feature = "projector")]
 mod listed;
 #[cfg(feature = "projector")]
 pub mod peltier;
