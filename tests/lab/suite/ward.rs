@@ -197,6 +197,8 @@ impl Ward {
     ) -> Run {
         self.stop_boards();
         cool();
+        // An earlier run's events may still wait to be heard.
+        self.emulator.hear(Duration::ZERO);
         self.emulator.told.clear();
         let said = File::create(&self.said).unwrap();
         let mut command = self.command(scene_file, options);
