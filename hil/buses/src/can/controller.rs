@@ -16,7 +16,7 @@ const REPLY: usize = 32 << 10;
 /// Bits of an attribute's type that are no flags.
 const TYPE: u16 = 0x3FFF;
 
-// Of `linux/can/netlink.h`.
+// Types of `linux/can/netlink.h`.
 const CAN_BITTIMING: u16 = libc::IFLA_CAN_BITTIMING as u16;
 const CAN_STATE: u16 = libc::IFLA_CAN_STATE as u16;
 const CAN_RESTART_MS: u16 = libc::IFLA_CAN_RESTART_MS as u16;
