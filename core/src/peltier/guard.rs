@@ -80,9 +80,17 @@ impl PeltierReason {
     ];
 
     /// Number on the link of a driver unit.
-    pub fn number(self) -> u8 {
-        let place = Self::ALL.iter().position(|reason| *reason == self);
-        place.map_or(0, |place| place as u8)
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::Sensor(SensorFault::Open) => 1,
+            Self::Sensor(SensorFault::Short) => 2,
+            Self::Sensor(SensorFault::Stale) => 3,
+            Self::Face => 4,
+            Self::Ramp => 5,
+            Self::Current => 6,
+            Self::Sink => 7,
+        }
     }
 
     /// The word of records.
